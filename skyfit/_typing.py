@@ -1,0 +1,54 @@
+"""Array aliases and the two doors every public argument passes: conversion and checking."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Bool, Float
+
+
+Scalar = Float[Array, ""]
+Spectrum = Float[Array, " wavelength"]
+
+
+def as_float(value: ArrayLike) -> Float[Array, "..."]:
+    """Convert to JAX's default float, so `3`, `3.0` and `np.float64(3)` trace alike.
+
+    An array that is already floating keeps its width: float32 data stay float32 where x64 is on.
+    """
+    dtype = getattr(value, "dtype", None)
+    # A weakly typed value (a Python float seen through jit) must not fix the width either.
+    if dtype is not None and jnp.issubdtype(dtype, jnp.floating) and np.ndim(value) > 0:
+        return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(dtype))
+    return jnp.asarray(value, dtype=jnp.result_type(float))
+
+
+def is_traced(*values: object) -> bool:
+    """Tell whether any value is known only while a compiled program runs."""
+    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(values))
+
+
+def check(
+    value: Float[Array, "..."], bad: Bool[Array, "..."] | bool, message: str
+) -> Float[Array, "..."]:
+    """Refuse a value out of its domain with one line; return the value.
+
+    Args:
+        value: The argument to hand on; the check holds only if the return value is used.
+        bad: Where it is unacceptable, elementwise or as a whole.
+        message: Says what, where, and what was expected. What came is added where it is known.
+
+    Returns:
+        `value` unchanged.
+
+    Raises:
+        ValueError: At once, if the values are known.
+        RuntimeError: When the compiled program runs, if they are traced.
+    """
+    if is_traced(value, bad):
+        return eqx.error_if(value, bad, message)
+    mask = np.broadcast_to(np.asarray(bad), np.shape(value))
+    if mask.any():
+        got = np.asarray(value)[mask].ravel()[0]
+        raise ValueError(f"{message}; got {got:.6g}")
+    return value

@@ -1,0 +1,278 @@
+"""Phase functions: how scattered light spreads over directions.
+
+A phase function is a probability density [sr⁻¹]: its integral over the sphere is 1. (Many texts
+use one that is 4π times larger.) It is called with the cosine of the scattering angle Θ, 1 being
+forward, and answers in the same shape; with a wavelength axis last if it depends on wavelength.
+"""
+
+import abc
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float
+
+from ._typing import as_float, check
+
+
+class AbstractPhaseFunction(eqx.Module):
+    """Probability density of the scattering direction [sr⁻¹]."""
+
+    @abc.abstractmethod
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last (size 1 if grey)."""
+
+    @abc.abstractmethod
+    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+        """Legendre coefficients χ₀…χ_degree; χ₀ = 1 and χ₁ is the mean cosine.
+
+        p(Θ) = Σ (2l + 1) χ_l P_l(cos Θ) / 4π.
+        """
+
+    def __call__(self, cos_angle: ArrayLike) -> Float[Array, "..."]:
+        """Density [sr⁻¹] at cosines of the scattering angle.
+
+        Args:
+            cos_angle: Cosine of the scattering angle, any shape.
+
+        Returns:
+            Same shape, with a wavelength axis appended if the function depends on wavelength.
+        """
+        values = self.spectral(as_float(cos_angle))
+        return values[..., 0] if self.is_grey else values
+
+    @property
+    @abc.abstractmethod
+    def is_grey(self) -> bool:
+        """Whether the function is the same at every wavelength."""
+
+    @property
+    def max_degree(self) -> int | None:
+        """Highest degree with a Legendre coefficient other than 0; None without end."""
+        return None
+
+    @property
+    def mean_cosine(self) -> Float[Array, "..."]:
+        """Mean cosine of the scattering angle."""
+        mean = self.legendre(1)[1]
+        return mean[0] if self.is_grey else mean
+
+
+class Isotropic(AbstractPhaseFunction):
+    """Equal in all directions: 1/4π."""
+
+    is_grey = True
+    max_degree = 0
+
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch 1"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
+        return jnp.full((*cos_angle.shape, 1), 1 / (4 * np.pi), dtype=cos_angle.dtype)
+
+    def legendre(self, degree: int) -> Float[Array, "degree+1 1"]:
+        """Legendre coefficients χ₀…χ_degree."""
+        return as_float(np.eye(degree + 1, 1))
+
+
+class Rayleigh(AbstractPhaseFunction):
+    """Scattering by molecules, 3 (1 + cos²Θ) / 16π.
+
+    Source: Preetham et al. (1999), appendix A.3.
+    """
+
+    is_grey = True
+    max_degree = 2
+
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch 1"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
+        return (3 / (16 * np.pi) * (1 + cos_angle**2))[..., None]
+
+    def legendre(self, degree: int) -> Float[Array, "degree+1 1"]:
+        """Legendre coefficients χ₀…χ_degree: 1, 0, 1/10, 0, …."""
+        chi = np.zeros((max(degree, 2) + 1, 1))
+        chi[0], chi[2] = 1, 0.1
+        return as_float(chi[: degree + 1])
+
+
+class _Asymmetric(AbstractPhaseFunction):
+    """What the one-parameter functions share: g, grey or one value per wavelength."""
+
+    g: Float[Array, " #wavelength"]
+    grey: bool = eqx.field(static=True)
+
+    def __init__(self, g: ArrayLike):
+        value = as_float(g)
+        if value.ndim > 1:
+            raise ValueError(f"{type(self).__name__}(g=...): expected one value or one per "
+                             f"wavelength; got shape {value.shape}")  # fmt: skip
+        self.grey = value.ndim == 0
+        message = f"{type(self).__name__}(g=...) must lie in (-1, 1)"
+        self.g = jnp.atleast_1d(check(value, ~(jnp.abs(value) < 1), message))
+
+    @property
+    def is_grey(self) -> bool:
+        """Whether the function is the same at every wavelength."""
+        return self.grey
+
+
+class HenyeyGreenstein(_Asymmetric):
+    """Scattering by haze, (1 - g²) / (4π (1 + g² - 2 g cosΘ)^{3/2}).
+
+    Source: Henyey & Greenstein (1941), Astrophysical Journal 93, 70. Hoffman & Preetham (2002)
+    print (1 - g)², which integrates to (1 - g)/(1 + g).
+
+    Args:
+        g: Mean cosine, in (-1, 1); one value or one per wavelength.
+    """
+
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
+        g, mu = self.g, cos_angle[..., None]
+        # (1 - g)² + 2 g (1 - μ): the textbook 1 + g² - 2gμ cancels forward of g near 1.
+        spread = (1 - g) ** 2 + 2 * g * (1 - mu)
+        return (1 - g**2) / (4 * np.pi * spread * jnp.sqrt(spread))
+
+    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+        """Legendre coefficients χ₀…χ_degree: powers of g."""
+        return _powers(self.g, degree)
+
+
+class CornetteShanks(_Asymmetric):
+    """Scattering by haze, 3 (1 - g²)(1 + cos²Θ) / (8π (2 + g²) (1 + g² - 2 g cosΘ)^{3/2}).
+
+    Tends to Rayleigh's function as g tends to 0. Its mean cosine is larger than g: 0.81 at 0.76.
+
+    Source: Cornette & Shanks (1992), "Physically reasonable analytic expression for the
+    single-scattering phase function", Applied Optics 31(16), 3152.
+
+    Args:
+        g: Parameter of the formula, in (-1, 1); one value or one per wavelength.
+    """
+
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
+        g, mu = self.g, cos_angle[..., None]
+        spread = (1 - g) ** 2 + 2 * g * (1 - mu)
+        norm = 3 / (8 * np.pi) * (1 - g**2) / (2 + g**2)
+        return norm * (1 + mu**2) / (spread * jnp.sqrt(spread))
+
+    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+        """Legendre coefficients χ₀…χ_degree, from those of Henyey & Greenstein's function.
+
+        (1 + μ²) P_l expands in P_{l-2}, P_l and P_{l+2}; g^l stands for each P_l.
+        """
+        g = self.g
+        powers = _powers(g, degree + 2)
+        n = np.arange(degree + 1, dtype=float)[:, None]
+        up = (n + 1) * (n + 2) / ((2 * n + 1) * (2 * n + 3))
+        down = np.where(n > 1, n * (n - 1) / ((2 * n + 1) * np.where(n > 0, 2 * n - 1, 1)), 0)
+        same = (n + 1) ** 2 / ((2 * n + 1) * (2 * n + 3)) + np.where(
+            n > 0, n**2 / ((2 * n + 1) * np.where(n > 0, 2 * n - 1, 1)), 0
+        )
+        below = jnp.concatenate([jnp.zeros_like(powers[:2]), powers])[: degree + 1]
+        up, down, same = (jnp.asarray(c, powers.dtype) for c in (up, down, same))
+        mixed = up * powers[2:] + (1 + same) * powers[: degree + 1] + down * below
+        return 3 / (2 * (2 + g**2)) * mixed
+
+
+class Tabulated(AbstractPhaseFunction):
+    """A phase function given at angles, log-linear between them and constant outside.
+
+    Normalised on construction, by the exact integral of that interpolation: the values may carry
+    any factor.
+
+    Args:
+        angle: Scattering angles, two or more, increasing within [0, π] [rad].
+        value: Above 0, at each angle: [angle] or [angle, wavelength].
+    """
+
+    angle: Float[Array, " angle"]
+    log_value: Float[Array, "angle #wavelength"]
+    grey: bool = eqx.field(static=True)
+
+    def __init__(self, angle: ArrayLike, value: ArrayLike):
+        theta, p = jnp.atleast_1d(as_float(angle)), jnp.atleast_1d(as_float(value))
+        if theta.ndim != 1 or theta.size < 2 or p.ndim > 2 or p.shape[0] != theta.size:
+            raise ValueError(
+                "phase.Tabulated: expected angle [angle] and value [angle] or [angle, "
+                f"wavelength], two angles or more; got shapes {theta.shape} and {p.shape}"
+            )
+        bad = ~(jnp.diff(theta, prepend=theta[:1] - 1) > 0) | (theta < 0) | (theta > np.pi + 1e-6)
+        theta = check(theta, bad, "phase.Tabulated: angle must increase within [0, pi] rad")
+        p = check(p, ~(p > 0), "phase.Tabulated: value must be above 0")
+        self.grey = p.ndim == 1
+        log_p = jnp.log(p if p.ndim == 2 else p[:, None])
+        self.angle = theta
+        self.log_value = log_p - jnp.log(_sphere_integral(theta, log_p))
+
+    @property
+    def is_grey(self) -> bool:
+        """Whether the function is the same at every wavelength."""
+        return self.grey
+
+    def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
+        """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
+        # The table is flat forward of its first angle: holding the cosine there changes no value,
+        # and keeps the infinite slope of arccos at ±1 out of the gradient.
+        near, far = jnp.cos(self.angle[0]), jnp.cos(self.angle[-1])
+        inside = (cos_angle < near) & (cos_angle > far) & (jnp.abs(cos_angle) < 1)
+        theta = jnp.arccos(jnp.where(inside, cos_angle, 0.0))
+        theta = jnp.where(inside, theta, jnp.where(cos_angle >= near, 0.0, np.pi))
+        left = jnp.clip(jnp.searchsorted(self.angle, theta) - 1, 0, self.angle.size - 2)
+        start, end = self.angle[left], self.angle[left + 1]
+        share = jnp.clip((theta - start) / (end - start), 0, 1)[..., None]
+        log_value = (1 - share) * self.log_value[left] + share * self.log_value[left + 1]
+        return jnp.exp(log_value)
+
+    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+        """Legendre coefficients χ₀…χ_degree, by Gauss quadrature between the table's angles."""
+        theta, weight = _panel_nodes(self.angle, nodes_per_panel=max(12, degree))
+        polynomials = legendre_polynomials(degree, jnp.cos(theta))
+        weighted = (2 * np.pi * weight * jnp.sin(theta))[:, None] * self.spectral(jnp.cos(theta))
+        return polynomials @ weighted
+
+
+def legendre_polynomials(
+    degree: int, x: Float[Array, " point"]
+) -> Float[Array, "degree+1 point"]:
+    """Legendre polynomials P₀…P_degree at points in [-1, 1], by the three-term recurrence."""
+    rows = [jnp.ones_like(x), x]
+    for n in range(1, degree):
+        rows.append(((2 * n + 1) * x * rows[n] - n * rows[n - 1]) / (n + 1))
+    return jnp.stack(rows[: degree + 1])
+
+
+def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "degree+1 wavelength"]:
+    """1, g, g², … g^degree; by products, so that the derivative at g = 0 is finite."""
+    first = jnp.ones((1, *g.shape), g.dtype)
+    rest = jnp.broadcast_to(g, (degree, *g.shape))
+    return jnp.concatenate([first, jnp.cumprod(rest, axis=0)])
+
+
+def _panels(angle: Float[Array, " angle"]) -> Float[Array, " edge"]:
+    """Edges 0, the table's angles, π; a panel of no width where they coincide."""
+    return jnp.concatenate([jnp.zeros_like(angle[:1]), angle, jnp.full_like(angle[:1], np.pi)])
+
+
+def _panel_nodes(angle, nodes_per_panel):
+    """Gauss–Legendre nodes and weights in angle over [0, π], panel by panel."""
+    edges = _panels(angle)
+    x, w = np.polynomial.legendre.leggauss(nodes_per_panel)
+    half = 0.5 * jnp.diff(edges)[:, None]
+    middle = 0.5 * (edges[1:] + edges[:-1])[:, None]
+    return (middle + half * as_float(x)).ravel(), (half * as_float(w)).ravel()
+
+
+def _sphere_integral(angle, log_p):
+    """2π ∫ p sinΘ dΘ of the log-linear interpolation, exactly; [wavelength]."""
+    edges = _panels(angle)
+    log_edge = jnp.concatenate([log_p[:1], log_p, log_p[-1:]])
+    width = jnp.diff(edges)[:, None]
+    slope = jnp.diff(log_edge, axis=0) / jnp.where(width > 0, width, 1.0)
+
+    def antiderivative(log_value, theta):
+        # d/dΘ of e^{bΘ} (b sinΘ - cosΘ) / (1 + b²) is e^{bΘ} sinΘ.
+        return jnp.exp(log_value) * (slope * jnp.sin(theta) - jnp.cos(theta)) / (1 + slope**2)
+
+    low, high = edges[:-1, None], edges[1:, None]
+    parts = antiderivative(log_edge[1:], high) - antiderivative(log_edge[:-1], low)
+    return 2 * np.pi * jnp.sum(parts, axis=0)

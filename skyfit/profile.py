@@ -1,0 +1,121 @@
+"""Density with altitude, relative to the density for which coefficients are given.
+
+Altitudes in metres above the ground. Every profile is called with altitudes of any shape and
+returns the relative density in that shape.
+"""
+
+import abc
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, ArrayLike, Float
+
+from ._typing import Scalar, as_float, check
+from .tables import read_table
+
+
+class AbstractProfile(eqx.Module):
+    """Relative density of a constituent over altitude."""
+
+    @abc.abstractmethod
+    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Relative density [1] at altitudes [m]."""
+
+
+class Exponential(AbstractProfile):
+    """Density that falls by a factor e with every scale height: exp(-h / H).
+
+    Args:
+        scale_height: H [m], above 0.
+    """
+
+    scale_height: Scalar
+
+    def __init__(self, scale_height: ArrayLike):
+        height = as_float(scale_height)
+        self.scale_height = check(
+            height, ~(height > 0), "Exponential(scale_height=...) must be above 0 m"
+        )
+
+    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Relative density [1] at altitudes [m]."""
+        return jnp.exp(-altitude / self.scale_height)
+
+
+class Tabulated(AbstractProfile):
+    """Density given at altitudes and linear between them.
+
+    Below the first altitude it is constant; above the last it is zero. Values are taken as they
+    are: the coefficients of a constituent hold where the relative density is 1.
+
+    Args:
+        altitude: At least two, increasing [m].
+        relative_density: At each altitude, 0 or more [1].
+    """
+
+    altitude: Float[Array, " node"]
+    relative_density: Float[Array, " node"]
+
+    def __init__(self, altitude: ArrayLike, relative_density: ArrayLike):
+        h, rho = jnp.atleast_1d(as_float(altitude)), jnp.atleast_1d(as_float(relative_density))
+        if h.ndim != 1 or h.shape != rho.shape or h.size < 2:
+            raise ValueError(
+                "profile.Tabulated: expected altitude and relative_density of one shape, two "
+                f"values or more; got shapes {h.shape} and {rho.shape}"
+            )
+        step = jnp.diff(h, prepend=h[:1] - 1)
+        self.altitude = check(h, ~(step > 0), "profile.Tabulated: altitude must increase")
+        self.relative_density = check(
+            rho, ~(rho >= 0), "profile.Tabulated: relative_density must be 0 or more"
+        )
+
+    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Relative density [1] at altitudes [m]."""
+        inside = jnp.interp(altitude, self.altitude, self.relative_density)
+        return jnp.where(altitude <= self.altitude[-1], inside, 0.0)
+
+
+class StandardAtmosphere(AbstractProfile):
+    """Air density of the U.S. Standard Atmosphere 1976, up to 86 km, relative to the ground's.
+
+    Layers of constant temperature gradient in hydrostatic balance (NOAA-S/T 76-1562, equations
+    18, 23, 33a, 33b and 42); at 8 km 0.42921, table I's 0.52579 over 1.2250 kg m⁻³.
+    """
+
+    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Relative density [1] at altitudes [m]."""
+        layers = read_table("us_standard_1976_layers")
+        base = layers["geopotential_altitude_m"]
+        temperature, lapse = layers["temperature_K"], layers["gradient_K_per_m"]
+        pressure = layers["pressure_Pa"]
+        # Constants of the standard: g0 M0 / R* [K/m] and the Earth radius r0 [m] of eq. 18.
+        hydrostatic = 9.80665 * 28.9644 / 8314.32
+        radius = 6.356766e6
+        geopotential = radius * altitude / (radius + altitude)
+        layer = jnp.clip(jnp.searchsorted(jnp.asarray(base), geopotential, side="right") - 1, 0)
+
+        def pick(column):
+            return jnp.asarray(column, dtype=altitude.dtype)[layer]
+
+        gradient = pick(lapse)
+        rise = geopotential - pick(base)
+        base_temperature = pick(temperature)
+        here = base_temperature + gradient * rise
+        sloped = gradient != 0
+        safe = jnp.where(sloped, gradient, 1.0)
+        power = (base_temperature / here) ** (hydrostatic / safe)
+        isothermal = jnp.exp(-hydrostatic * rise / base_temperature)
+        ratio = jnp.where(sloped, power, isothermal)
+        ground = pressure[0] / temperature[0]
+        return pick(pressure) * ratio / here / float(ground)
+
+
+def elterman_haze() -> Tabulated:
+    """Vertical shape of the haze after Elterman (1968), to 32 km, 1 at the ground.
+
+    Its column is 1.58 km of ground density; `data/SOURCES.md` has the citation.
+    """
+    table = read_table("elterman1968_aerosol_profile")
+    used = table["altitude_km"] <= 32
+    extinction = table["extinction_per_km_340nm"][used]
+    return Tabulated(1e3 * table["altitude_km"][used], extinction / extinction[0])
