@@ -1,0 +1,12 @@
+"""The suite is stricter than a user's program."""
+
+import jax
+import matplotlib as mpl
+
+
+# The whole suite runs in float64, and a silent promotion or broadcast is an error.
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_numpy_dtype_promotion", "strict")
+jax.config.update("jax_numpy_rank_promotion", "raise")
+
+mpl.use("Agg")
