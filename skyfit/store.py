@@ -1,0 +1,113 @@
+"""A campaign under way: a zarr store that keeps every finished sky, and which they are."""
+
+import os
+import shutil
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+import zarr
+
+from .campaign import Campaign
+from .dataset import check_suffix, sky_dataset, stored_attributes
+
+
+# Two of these that differ would put skies of different kinds into one record.
+IDENTITY = ("campaign", "atmosphere", "source", "precision")
+
+
+class SkyStore:
+    """Skies of one campaign on disk, written one by one, in any order.
+
+    The store is a dataset like any other, with a variable `done` [swept, sun] besides; skies that
+    are not done are NaN.
+
+    Args:
+        path: Ends in .zarr. Made if absent, continued if it is of the same campaign.
+        template: The campaign's dataset with NaN for every sky.
+
+    Raises:
+        ValueError: Something else is there, or a store of another campaign.
+    """
+
+    def __init__(self, path: str | PathLike[str], template: xr.Dataset):
+        if check_suffix(path) != ".zarr":
+            raise ValueError(f"{path}: only a .zarr store can be filled sky by sky")
+        self.path = Path(path)
+        if self.path.exists():
+            refuse_another(self.path, template)
+        else:
+            self._create(template)
+        group = zarr.open_group(self.path, mode="r+")
+        self._arrays = {name: _array(group, str(name)) for name in template.data_vars}
+        # A record that was saved whole has no such mark.
+        self._done = _array(group, "done") if "done" in group else None
+
+    def done(self) -> np.ndarray:
+        """Which skies are finished, [swept, sun]."""
+        if self._done is None:
+            return np.ones(self._arrays["radiance"].shape[:2], bool)
+        return np.asarray(self._done[:]) == 1
+
+    def read(self, name: str) -> np.ndarray:
+        """A variable of all skies; NaN where they are not done."""
+        return np.asarray(self._arrays[name][:])
+
+    def write(self, at: int, sun: int, variables: dict[str, np.ndarray]) -> None:
+        """Keep one sky; it counts as done only when all of it is on disk."""
+        if self._done is None:
+            raise ValueError(f"{self.path}: is complete; no sky can be added")
+        for name, array in variables.items():
+            self._arrays[name][at, sun] = array
+        self._done[at, sun] = 1
+
+    def _create(self, template: xr.Dataset) -> None:
+        skies = tuple(template["radiance"].shape[:2])
+        front = template["radiance"].dims[:2]
+        marked = template.assign(done=(front, np.zeros(skies, "int8")))
+        chunks = {
+            name: {"chunks": (1, 1, *array.shape[2:])} for name, array in marked.data_vars.items()
+        }
+        # Whoever finds the store under its name finds all of it, even after a crash.
+        begun = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            marked.to_zarr(begun, mode="w", consolidated=False, encoding=chunks)
+            begun.rename(self.path)
+        finally:
+            shutil.rmtree(begun, ignore_errors=True)
+
+
+def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
+    """Refuse a dataset on disk that this campaign did not make.
+
+    Raises:
+        ValueError: It is of another campaign, version or precision, or no sky dataset at all.
+    """
+    found = stored_attributes(path)
+    for name in IDENTITY:
+        if found.get(name) != template.attrs[name]:
+            made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
+            how = made.get(name, "by another campaign")
+            raise ValueError(f"{path}: was made {how}; give another name")
+
+
+def _array(group: zarr.Group, name: str) -> zarr.Array:
+    array = group[name]
+    if not isinstance(array, zarr.Array):
+        raise ValueError(f"{group.store}: {name} is not an array")
+    return array
+
+
+def empty_skies(campaign: Campaign, shapes: dict[str, tuple[int, ...]], dtype) -> xr.Dataset:
+    """The dataset of a campaign before its first sky: NaN everywhere.
+
+    Args:
+        campaign: What will be simulated.
+        shapes: Of each variable of one sky.
+        dtype: Of the radiance.
+    """
+    skies = (len(campaign.swept[1]), len(campaign.sun_zenith))
+    blank = {name: np.full((*skies, *shape), np.nan, dtype) for name, shape in shapes.items()}
+    return sky_dataset(campaign, blank)
