@@ -1,12 +1,18 @@
 """Array aliases and the two doors every public argument passes: conversion and checking."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Bool, Float
+from jax.core import Tracer
+from jaxtyping import Array, ArrayLike as _ArrayLike, Bool, Float
 
 
+# What a caller may pass for an array: a number, an array, or (nested) lists of numbers.
+ArrayLike = _ArrayLike | Sequence[Any]
 Scalar = Float[Array, ""]
 Spectrum = Float[Array, " wavelength"]
 
@@ -25,7 +31,7 @@ def as_float(value: ArrayLike) -> Float[Array, "..."]:
 
 def is_traced(*values: object) -> bool:
     """Tell whether any value is known only while a compiled program runs."""
-    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(values))
+    return any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(values))
 
 
 def check(

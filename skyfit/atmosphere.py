@@ -3,9 +3,9 @@
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from ._typing import Scalar, Spectrum, as_float, check
+from ._typing import ArrayLike, Scalar, Spectrum, as_float, check
 from .constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
 from .phase import AbstractPhaseFunction
 from .profile import AbstractProfile
@@ -94,9 +94,7 @@ class Atmosphere(eqx.Module):
         self.planet_radius = check(
             radius, ~(radius > 0), "Atmosphere(planet_radius=...) must be above 0 m"
         )
-        self.top_altitude = check(
-            top, ~(top > 0), "Atmosphere(top_altitude=...) must be above 0 m"
-        )
+        self.top_altitude = check(top, ~(top > 0), "Atmosphere(top_altitude=...) must be above 0 m")
         self.constituents = tuple(constituents)
         if not self.constituents:
             raise ValueError("Atmosphere(constituents=...): expected one or more; got none")

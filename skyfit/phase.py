@@ -10,9 +10,9 @@ import abc
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from ._typing import as_float, check
+from ._typing import ArrayLike, as_float, check
 
 
 class AbstractPhaseFunction(eqx.Module):
@@ -61,8 +61,15 @@ class AbstractPhaseFunction(eqx.Module):
 class Isotropic(AbstractPhaseFunction):
     """Equal in all directions: 1/4π."""
 
-    is_grey = True
-    max_degree = 0
+    @property
+    def is_grey(self) -> bool:
+        """True: the same at every wavelength."""
+        return True
+
+    @property
+    def max_degree(self) -> int:
+        """Highest degree with a Legendre coefficient other than 0: 0."""
+        return 0
 
     def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch 1"]:
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
@@ -79,8 +86,15 @@ class Rayleigh(AbstractPhaseFunction):
     Source: Preetham et al. (1999), appendix A.3.
     """
 
-    is_grey = True
-    max_degree = 2
+    @property
+    def is_grey(self) -> bool:
+        """True: the same at every wavelength."""
+        return True
+
+    @property
+    def max_degree(self) -> int:
+        """Highest degree with a Legendre coefficient other than 0: 2."""
+        return 2
 
     def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch 1"]:
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
@@ -217,7 +231,8 @@ class Tabulated(AbstractPhaseFunction):
         inside = (cos_angle < near) & (cos_angle > far) & (jnp.abs(cos_angle) < 1)
         theta = jnp.arccos(jnp.where(inside, cos_angle, 0.0))
         theta = jnp.where(inside, theta, jnp.where(cos_angle >= near, 0.0, np.pi))
-        left = jnp.clip(jnp.searchsorted(self.angle, theta) - 1, 0, self.angle.size - 2)
+        left = jnp.searchsorted(self.angle, theta, method="compare_all") - 1
+        left = jnp.clip(left, 0, self.angle.size - 2)
         start, end = self.angle[left], self.angle[left + 1]
         share = jnp.clip((theta - start) / (end - start), 0, 1)[..., None]
         log_value = (1 - share) * self.log_value[left] + share * self.log_value[left + 1]
@@ -231,9 +246,7 @@ class Tabulated(AbstractPhaseFunction):
         return polynomials @ weighted
 
 
-def legendre_polynomials(
-    degree: int, x: Float[Array, " point"]
-) -> Float[Array, "degree+1 point"]:
+def legendre_polynomials(degree: int, x: Float[Array, " point"]) -> Float[Array, "degree+1 point"]:
     """Legendre polynomials P₀…P_degree at points in [-1, 1], by the three-term recurrence."""
     rows = [jnp.ones_like(x), x]
     for n in range(1, degree):

@@ -8,13 +8,18 @@ from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike, Float
+from jaxtyping import Float
 
 from . import constants
-from ._typing import Array, Scalar, Spectrum, as_float, check
+from ._typing import Array, ArrayLike, Scalar, Spectrum, as_float, check
 from .atmosphere import Atmosphere, Constituent
 from .phase import Rayleigh, Tabulated
-from .profile import AbstractProfile, StandardAtmosphere, Tabulated as TabulatedProfile, elterman_haze
+from .profile import (
+    AbstractProfile,
+    StandardAtmosphere,
+    Tabulated as TabulatedProfile,
+    elterman_haze,
+)
 from .tables import read_table
 
 

@@ -8,9 +8,9 @@ import abc
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from ._typing import Scalar, as_float, check
+from ._typing import ArrayLike, Scalar, as_float, check
 from .tables import read_table
 
 

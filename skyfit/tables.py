@@ -23,8 +23,7 @@ def read_table(name: str) -> dict[str, np.ndarray]:
         ValueError: A row is longer or shorter than the header.
     """
     path = resources.files("skyfit") / "data" / f"{name}.csv"
-    with path.open(encoding="utf-8", newline="") as file:
-        header, *rows = list(csv.reader(file))
+    header, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
     for number, row in enumerate(rows, start=2):
         if len(row) != len(header):
             raise ValueError(f"{path}:{number}: expected {len(header)} columns, got {len(row)}")
