@@ -29,6 +29,40 @@ def as_float(value: ArrayLike) -> Float[Array, "..."]:
     return jnp.asarray(value, dtype=jnp.result_type(float))
 
 
+def as_parameter(value: ArrayLike) -> Float[Array, "..."]:
+    """Convert to JAX's default float whatever the width: what describes an atmosphere has one."""
+    return jnp.asarray(value, dtype=jnp.result_type(float))
+
+
+def as_scalar(value: ArrayLike, name: str) -> Scalar:
+    """Convert one number to JAX's default float.
+
+    Raises:
+        ValueError: `value` is no number, or several; the message starts with `name`.
+    """
+    try:
+        number = as_parameter(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: expected a number; got {value!r}") from error
+    if number.ndim != 0:
+        raise ValueError(f"{name}: expected one value; got shape {number.shape}")
+    return number
+
+
+def as_wavelengths(value: ArrayLike, name: str) -> Spectrum:
+    """Convert one or more wavelengths [nm] to JAX's default float.
+
+    Raises:
+        ValueError: `value` has two axes or no element, or does not increase, or holds anything
+            but finite numbers above 0; the message starts with `name`.
+    """
+    lam = jnp.atleast_1d(as_parameter(value))
+    if lam.ndim != 1 or lam.size == 0:
+        raise ValueError(f"{name}: expected one axis of one value or more; got shape {lam.shape}")
+    step = jnp.diff(lam, prepend=jnp.zeros_like(lam[:1]))
+    return check(lam, ~((step > 0) & jnp.isfinite(lam)), f"{name} must increase from above 0 nm")
+
+
 def is_traced(*values: object) -> bool:
     """Tell whether any value is known only while a compiled program runs."""
     return any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(values))

@@ -1,11 +1,13 @@
 """What scatters and absorbs: constituents, and the atmosphere they make up."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, Scalar, Spectrum, as_float, check
+from ._typing import ArrayLike, Scalar, Spectrum, as_parameter, as_scalar, as_wavelengths, check
 from .constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
 from .phase import AbstractPhaseFunction
 from .profile import AbstractProfile
@@ -70,31 +72,27 @@ class Atmosphere(eqx.Module):
         self,
         wavelengths: ArrayLike,
         solar_irradiance: ArrayLike,
-        constituents: tuple[Constituent, ...],
+        constituents: Sequence[Constituent],
         ground_albedo: ArrayLike = 0.0,
         planet_radius: ArrayLike = EARTH_RADIUS,
         top_altitude: ArrayLike = TOP_OF_ATMOSPHERE,
     ):
-        lam = jnp.atleast_1d(as_float(wavelengths))
-        if lam.ndim != 1:
-            raise ValueError(f"Atmosphere(wavelengths=...): expected one axis; got {lam.shape}")
-        step = jnp.diff(lam, prepend=lam[:1] - 1)
-        self.wavelengths = check(
-            lam, ~((step > 0) & (lam > 0)), "Atmosphere(wavelengths=...) must increase, in nm"
-        )
+        lam = as_wavelengths(wavelengths, "Atmosphere(wavelengths=...)")
+        self.wavelengths = lam
         sun = _spectrum(solar_irradiance, lam, "solar_irradiance")
         self.solar_irradiance = check(
-            sun, ~(sun >= 0), "Atmosphere(solar_irradiance=...) must be 0 or more"
+            sun,
+            ~((sun >= 0) & jnp.isfinite(sun)),
+            "Atmosphere(solar_irradiance=...) must be 0 or more",
         )
         albedo = _spectrum(ground_albedo, lam, "ground_albedo")
         self.ground_albedo = check(
             albedo, ~((albedo >= 0) & (albedo <= 1)), "Atmosphere(ground_albedo=...) must be 0 to 1"
         )
-        radius, top = as_float(planet_radius), as_float(top_altitude)
-        self.planet_radius = check(
-            radius, ~(radius > 0), "Atmosphere(planet_radius=...) must be above 0 m"
-        )
-        self.top_altitude = check(top, ~(top > 0), "Atmosphere(top_altitude=...) must be above 0 m")
+        self.planet_radius = _length(planet_radius, "planet_radius")
+        self.top_altitude = _length(top_altitude, "top_altitude")
+        if isinstance(constituents, Constituent):
+            raise ValueError("Atmosphere(constituents=...): expected a tuple; got one Constituent")
         self.constituents = tuple(constituents)
         if not self.constituents:
             raise ValueError("Atmosphere(constituents=...): expected one or more; got none")
@@ -130,8 +128,8 @@ class Atmosphere(eqx.Module):
         x, w = np.polynomial.legendre.leggauss(5)
         panel = self.top_altitude / num_panels
         edges = jnp.arange(num_panels, dtype=panel.dtype) * panel
-        altitude = edges[:, None] + 0.5 * panel * (1 + as_float(x))
-        return 0.5 * panel * jnp.einsum("pns,n->s", self.density(altitude), as_float(w))
+        altitude = edges[:, None] + 0.5 * panel * (1 + as_parameter(x))[None, :]
+        return 0.5 * panel * jnp.einsum("pns,n->s", self.density(altitude), as_parameter(w))
 
     def optical_depth(self) -> Float[Array, "species wavelength"]:
         """Vertical optical depth of each constituent [1]."""
@@ -141,15 +139,22 @@ class Atmosphere(eqx.Module):
         return jnp.stack([jnp.broadcast_to(s, self.wavelengths.shape) for s in spectra])
 
 
+def _length(value: ArrayLike, name: str) -> Scalar:
+    name = f"Atmosphere({name}=...)"
+    length = as_scalar(value, name)
+    return check(length, ~((length > 0) & jnp.isfinite(length)), f"{name} must be above 0 m")
+
+
 def _coefficient(value: ArrayLike, name: str) -> Float[Array, " #wavelength"]:
-    beta = jnp.atleast_1d(as_float(value))
+    beta = jnp.atleast_1d(as_parameter(value))
     if beta.ndim != 1:
         raise ValueError(f"Constituent({name}=...): expected one axis; got shape {beta.shape}")
-    return check(beta, ~(beta >= 0), f"Constituent({name}=...) must be 0 or more, in 1/m")
+    bad = ~((beta >= 0) & jnp.isfinite(beta))
+    return check(beta, bad, f"Constituent({name}=...) must be 0 or more, in 1/m")
 
 
 def _spectrum(value: ArrayLike, wavelengths: Spectrum, name: str) -> Spectrum:
-    spectrum = as_float(value)
+    spectrum = as_parameter(value)
     if spectrum.shape not in ((), (1,), wavelengths.shape):
         raise ValueError(
             f"Atmosphere({name}=...): expected one value or {wavelengths.size} as in wavelengths; "

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, as_float, check
+from ._typing import ArrayLike, as_float, as_parameter, check
 
 
 class AbstractPhaseFunction(eqx.Module):
@@ -114,7 +114,7 @@ class _Asymmetric(AbstractPhaseFunction):
     grey: bool = eqx.field(static=True)
 
     def __init__(self, g: ArrayLike):
-        value = as_float(g)
+        value = as_parameter(g)
         if value.ndim > 1:
             raise ValueError(f"{type(self).__name__}(g=...): expected one value or one per "
                              f"wavelength; got shape {value.shape}")  # fmt: skip
@@ -126,6 +126,10 @@ class _Asymmetric(AbstractPhaseFunction):
     def is_grey(self) -> bool:
         """Whether the function is the same at every wavelength."""
         return self.grey
+
+    def _per_wavelength(self, cos_angle):
+        """Give g as many axes as the answer has."""
+        return self.g.reshape((1,) * cos_angle.ndim + self.g.shape)
 
 
 class HenyeyGreenstein(_Asymmetric):
@@ -140,7 +144,7 @@ class HenyeyGreenstein(_Asymmetric):
 
     def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
-        g, mu = self.g, cos_angle[..., None]
+        g, mu = self._per_wavelength(cos_angle), cos_angle[..., None]
         # (1 - g)² + 2 g (1 - μ): the textbook 1 + g² - 2gμ cancels forward of g near 1.
         spread = (1 - g) ** 2 + 2 * g * (1 - mu)
         return (1 - g**2) / (4 * np.pi * spread * jnp.sqrt(spread))
@@ -164,7 +168,7 @@ class CornetteShanks(_Asymmetric):
 
     def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
-        g, mu = self.g, cos_angle[..., None]
+        g, mu = self._per_wavelength(cos_angle), cos_angle[..., None]
         spread = (1 - g) ** 2 + 2 * g * (1 - mu)
         norm = 3 / (8 * np.pi) * (1 - g**2) / (2 + g**2)
         return norm * (1 + mu**2) / (spread * jnp.sqrt(spread))
@@ -185,7 +189,7 @@ class CornetteShanks(_Asymmetric):
         below = jnp.concatenate([jnp.zeros_like(powers[:2]), powers])[: degree + 1]
         up, down, same = (jnp.asarray(c, powers.dtype) for c in (up, down, same))
         mixed = up * powers[2:] + (1 + same) * powers[: degree + 1] + down * below
-        return 3 / (2 * (2 + g**2)) * mixed
+        return (3 / (2 * (2 + g**2)))[None, :] * mixed
 
 
 class Tabulated(AbstractPhaseFunction):
@@ -204,19 +208,19 @@ class Tabulated(AbstractPhaseFunction):
     grey: bool = eqx.field(static=True)
 
     def __init__(self, angle: ArrayLike, value: ArrayLike):
-        theta, p = jnp.atleast_1d(as_float(angle)), jnp.atleast_1d(as_float(value))
-        if theta.ndim != 1 or theta.size < 2 or p.ndim > 2 or p.shape[0] != theta.size:
+        theta, p = as_parameter(angle), as_parameter(value)
+        if theta.ndim != 1 or theta.size < 2 or p.ndim not in (1, 2) or p.shape[0] != theta.size:
             raise ValueError(
                 "phase.Tabulated: expected angle [angle] and value [angle] or [angle, "
                 f"wavelength], two angles or more; got shapes {theta.shape} and {p.shape}"
             )
         bad = ~(jnp.diff(theta, prepend=theta[:1] - 1) > 0) | (theta < 0) | (theta > np.pi + 1e-6)
         theta = check(theta, bad, "phase.Tabulated: angle must increase within [0, pi] rad")
-        p = check(p, ~(p > 0), "phase.Tabulated: value must be above 0")
+        p = check(p, ~((p > 0) & jnp.isfinite(p)), "phase.Tabulated: value must be above 0")
         self.grey = p.ndim == 1
         log_p = jnp.log(p if p.ndim == 2 else p[:, None])
         self.angle = theta
-        self.log_value = log_p - jnp.log(_sphere_integral(theta, log_p))
+        self.log_value = log_p - jnp.log(_sphere_integral(theta, log_p))[None, :]
 
     @property
     def is_grey(self) -> bool:
@@ -272,7 +276,8 @@ def _panel_nodes(angle, nodes_per_panel):
     x, w = np.polynomial.legendre.leggauss(nodes_per_panel)
     half = 0.5 * jnp.diff(edges)[:, None]
     middle = 0.5 * (edges[1:] + edges[:-1])[:, None]
-    return (middle + half * as_float(x)).ravel(), (half * as_float(w)).ravel()
+    x, w = as_parameter(x)[None, :], as_parameter(w)[None, :]
+    return (middle + half * x).ravel(), (half * w).ravel()
 
 
 def _sphere_integral(angle, log_p):

@@ -11,7 +11,17 @@ import numpy as np
 from jaxtyping import Float
 
 from . import constants
-from ._typing import Array, ArrayLike, Scalar, Spectrum, as_float, check
+from ._typing import (
+    Array,
+    ArrayLike,
+    Scalar,
+    Spectrum,
+    as_float,
+    as_parameter,
+    as_scalar,
+    as_wavelengths,
+    check,
+)
 from .atmosphere import Atmosphere, Constituent
 from .phase import Rayleigh, Tabulated
 from .profile import (
@@ -27,14 +37,14 @@ PAPER_WAVELENGTHS = np.arange(380.0, 781.0, 10.0)  # nm
 OZONE_AMOUNT = 0.0035  # m at NTP; Preetham et al. (1999), appendix A.1
 
 
-def rayleigh_scattering(wavelengths: ArrayLike) -> Spectrum:
+def rayleigh_scattering(wavelengths: ArrayLike) -> Float[Array, "..."]:
     """Scattering coefficient of air at the ground, β_m [m⁻¹].
 
     8π³ (n² - 1)² / (3 N λ⁴) · (6 + 3p) / (6 - 7p); Preetham et al. (1999), appendix A.3. Gives
     6.95e-6, 1.18e-5 and 2.44e-5 at 650, 570 and 475 nm, as Hoffman & Preetham (2002) print.
 
     Args:
-        wavelengths: [nm].
+        wavelengths: [nm], any shape.
     """
     lam = 1e-9 * as_float(wavelengths)
     p = constants.AIR_DEPOLARISATION
@@ -45,7 +55,7 @@ def rayleigh_scattering(wavelengths: ArrayLike) -> Spectrum:
     return float(strength) / lam**2 / lam**2
 
 
-def haze_scattering(turbidity: ArrayLike, wavelengths: ArrayLike) -> Spectrum:
+def haze_scattering(turbidity: ArrayLike, wavelengths: ArrayLike) -> Float[Array, "..."]:
     """Scattering coefficient of haze at the ground by appendix A.3 as it stands, β_p [m⁻¹].
 
     0.434 c π (2π/λ)^{v-2} K(λ) with v = 4 and c = (0.6544 T - 0.6510)·1e-18. The paper prints
@@ -74,16 +84,17 @@ def haze_phase(wavelengths: ArrayLike) -> Tabulated:
     names = [name for name in table if name.startswith("eta_")]
     tabulated_at = np.array([float(name[4:-2]) for name in names])
     eta = np.stack([table[name] for name in names], axis=1)
-    lam = jnp.atleast_1d(as_float(wavelengths))
-    by_angle = [jnp.interp(lam, as_float(tabulated_at), as_float(row)) for row in eta]
+    lam = jnp.atleast_1d(as_parameter(wavelengths))
+    by_angle = [jnp.interp(lam, as_parameter(tabulated_at), as_parameter(row)) for row in eta]
     return Tabulated(np.radians(table["scattering_angle_deg"]), jnp.stack(by_angle))
 
 
-def solar_irradiance(wavelengths: ArrayLike) -> Spectrum:
+def solar_irradiance(wavelengths: ArrayLike) -> Float[Array, "..."]:
     """Sunlight above the atmosphere, normal to the beam [W m⁻² nm⁻¹].
 
     Table 2's radiance of the disc times its solid angle of 6.80e-5 sr. Table 2 ends at 750 nm;
-    beyond, ASTM G173-03's extraterrestrial spectrum continues it, scaled to join there.
+    beyond, ASTM G173-03's extraterrestrial spectrum continues it to 780 nm, scaled to join there.
+    Constant below 380 and above 780 nm.
     """
     return constants.SUN_SOLID_ANGLE * table2("sun_W_m-2_nm-1_sr-1", wavelengths)
 
@@ -110,10 +121,11 @@ def preetham_atmosphere(
 
     Args:
         turbidity: T, 1 (no haze) or more.
-        wavelengths: 380 to 780 nm by 10 if not given [nm].
+        wavelengths: 380 to 780 nm by 10 if not given; beyond these limits table 2's spectra are
+            held constant [nm].
         turbidity_means: "optical thickness" for the definition T = (t_m + t_h) / t_m at 550 nm;
             "coefficients" for appendix A.3's haze coefficient at the ground, whose optical
-            thickness makes T = 2 … 6 into 2.05 … 6.24.
+            thickness makes T = 2 … 6 into 2.09 … 6.45 with Elterman's profile.
         haze_density: In place of Elterman's profile.
         ozone: Absorb by 3.5 mm of ozone in a layer around 25 km. The paper's simulation has none.
         ground_albedo: The paper's is 0; one value or one per wavelength.
@@ -126,9 +138,11 @@ def preetham_atmosphere(
             "preetham_atmosphere(turbidity_means=...): expected 'optical thickness' or "
             f"'coefficients'; got {turbidity_means!r}"
         )
-    value = as_float(turbidity)
-    value = check(value, ~(value >= 1), "preetham_atmosphere(turbidity=...) must be 1 or more")
-    lam = jnp.atleast_1d(as_float(PAPER_WAVELENGTHS if wavelengths is None else wavelengths))
+    value = as_scalar(turbidity, "preetham_atmosphere(turbidity=...)")
+    bad = ~((value >= 1) & jnp.isfinite(value))
+    value = check(value, bad, "preetham_atmosphere(turbidity=...) must be 1 or more")
+    wavelengths = PAPER_WAVELENGTHS if wavelengths is None else wavelengths
+    lam = as_wavelengths(wavelengths, "preetham_atmosphere(wavelengths=...)")
     air = Constituent(StandardAtmosphere(), rayleigh_scattering(lam), phase=Rayleigh())
     density = elterman_haze() if haze_density is None else haze_density
     coefficient = haze_scattering(value, lam)
@@ -140,7 +154,7 @@ def preetham_atmosphere(
 
 
 def table2(column: str, wavelengths: ArrayLike) -> Float[Array, "..."]:
-    """A column of table 2, linear between its wavelengths.
+    """A column of table 2, linear between its wavelengths and constant beyond 380 and 780 nm.
 
     Blank absorption coefficients are 0. The sun's column has none at 760 to 780 nm and is
     continued; see `solar_irradiance`.
@@ -154,7 +168,10 @@ def table2(column: str, wavelengths: ArrayLike) -> Float[Array, "..."]:
         values[blank] = scale * np.interp(
             table["wavelength_nm"][blank], rest["wavelength_nm"], rest["irradiance_W_m-2_nm-1"]
         )
-    return jnp.interp(as_float(wavelengths), as_float(table["wavelength_nm"]), as_float(values))
+    lam = as_float(wavelengths)
+    return jnp.interp(
+        lam, jnp.asarray(table["wavelength_nm"], lam.dtype), jnp.asarray(values, lam.dtype)
+    )
 
 
 def _ozone(lam: Spectrum) -> Constituent:
@@ -168,7 +185,7 @@ def _to_definition(
     turbidity: Scalar, air: AbstractProfile, haze: AbstractProfile
 ) -> Float[Array, ""]:
     """Factor on appendix A.3's haze coefficient that makes T what it is defined to be."""
-    at = as_float([constants.TURBIDITY_WAVELENGTH])
+    at = as_parameter([constants.TURBIDITY_WAVELENGTH])
     molecules = Constituent(air, rayleigh_scattering(at), phase=Rayleigh())
     particles = Constituent(haze, haze_scattering(turbidity, at), phase=Rayleigh())
     air_depth, haze_depth = Atmosphere(at, 1.0, (molecules, particles)).optical_depth()[:, 0]

@@ -10,7 +10,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, Scalar, as_float, check
+from ._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check
 from .tables import read_table
 
 
@@ -18,7 +18,7 @@ class AbstractProfile(eqx.Module):
     """Relative density of a constituent over altitude."""
 
     @abc.abstractmethod
-    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
 
 
@@ -32,14 +32,13 @@ class Exponential(AbstractProfile):
     scale_height: Scalar
 
     def __init__(self, scale_height: ArrayLike):
-        height = as_float(scale_height)
-        self.scale_height = check(
-            height, ~(height > 0), "Exponential(scale_height=...) must be above 0 m"
-        )
+        name = "Exponential(scale_height=...)"
+        height = as_scalar(scale_height, name)
+        self.scale_height = check(height, ~(height > 0), f"{name} must be above 0 m")
 
-    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
-        return jnp.exp(-altitude / self.scale_height)
+        return jnp.exp(-as_float(altitude) / self.scale_height)
 
 
 class Tabulated(AbstractProfile):
@@ -57,7 +56,7 @@ class Tabulated(AbstractProfile):
     relative_density: Float[Array, " node"]
 
     def __init__(self, altitude: ArrayLike, relative_density: ArrayLike):
-        h, rho = jnp.atleast_1d(as_float(altitude)), jnp.atleast_1d(as_float(relative_density))
+        h, rho = as_parameter(altitude), as_parameter(relative_density)
         if h.ndim != 1 or h.shape != rho.shape or h.size < 2:
             raise ValueError(
                 "profile.Tabulated: expected altitude and relative_density of one shape, two "
@@ -66,11 +65,14 @@ class Tabulated(AbstractProfile):
         step = jnp.diff(h, prepend=h[:1] - 1)
         self.altitude = check(h, ~(step > 0), "profile.Tabulated: altitude must increase")
         self.relative_density = check(
-            rho, ~(rho >= 0), "profile.Tabulated: relative_density must be 0 or more"
+            rho,
+            ~((rho >= 0) & jnp.isfinite(rho)),
+            "profile.Tabulated: relative_density must be 0 or more",
         )
 
-    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
+        altitude = as_float(altitude)
         inside = jnp.interp(altitude, self.altitude, self.relative_density)
         return jnp.where(altitude <= self.altitude[-1], inside, 0.0)
 
@@ -82,8 +84,9 @@ class StandardAtmosphere(AbstractProfile):
     18, 23, 33a, 33b and 42); at 8 km 0.42921, table I's 0.52579 over 1.2250 kg m⁻³.
     """
 
-    def __call__(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
+        altitude = as_float(altitude)
         layers = read_table("us_standard_1976_layers")
         base = layers["geopotential_altitude_m"]
         temperature, lapse = layers["temperature_K"], layers["gradient_K_per_m"]
@@ -92,7 +95,8 @@ class StandardAtmosphere(AbstractProfile):
         hydrostatic = 9.80665 * 28.9644 / 8314.32
         radius = 6.356766e6
         geopotential = radius * altitude / (radius + altitude)
-        layer = jnp.clip(jnp.searchsorted(jnp.asarray(base), geopotential, side="right") - 1, 0)
+        layer = jnp.searchsorted(jnp.asarray(base, geopotential.dtype), geopotential, side="right")
+        layer = jnp.clip(layer - 1, 0)
 
         def pick(column):
             return jnp.asarray(column, dtype=altitude.dtype)[layer]
