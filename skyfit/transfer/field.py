@@ -1,0 +1,176 @@
+"""The light field between the levels of an atmosphere, and its first order.
+
+The field of one order is kept as spherical-harmonic moments at a few altitudes (levels) under a
+few zenith angles of the sun: along a line of sight the vertical turns, and with it the sun.
+"""
+
+from functools import partial
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..atmosphere import Atmosphere
+from .geometry import AbstractPlanet, Flat, Ray, SunDirection
+from .harmonics import cosines, legendre
+from .paths import Kind, SunColumns
+from .quadrature import gauss, safe_sqrt
+from .quality import Quality
+from .single import first_order
+
+
+_LEVEL_GROWTH = 5.0  # levels at (e^{5x} - 1)/(e⁵ - 1) of the top: 160 m to 12 km apart under 60 km
+
+
+class Grid(eqx.Module):
+    """Where the field is kept, and the directions over which it is summed.
+
+    Attributes:
+        altitude: Of the levels [m].
+        sun_zenith: Of the suns, increasing [rad].
+        mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
+        weight: Of each direction; over a level and 2π of azimuth they sum to 4π.
+        cos_azimuth: Azimuths in half a turn, equally weighted.
+    """
+
+    altitude: Float[Array, " level"]
+    sun_zenith: Float[Array, " sun"]
+    mu: Float[Array, "level ray"]
+    weight: Float[Array, "level ray"]
+    cos_azimuth: Float[Array, " azimuth"]
+
+    def sun_from(self) -> SunDirection:
+        """Directions of the suns in the frame of each azimuth; [azimuth, sun]."""
+        zenith, cosine = jnp.broadcast_arrays(
+            self.sun_zenith[None, :], self.cos_azimuth[:, None]
+        )
+        return SunDirection.from_angles(zenith, cosine)
+
+
+class Field(eqx.Module):
+    """Light of one order, per unit of solar irradiance [sr⁻¹].
+
+    Attributes:
+        moments: ∫ P̄_lm(μ) cos(mφ) L dω at each level and sun.
+        irradiance: Downwards, on the ground, under each sun [1].
+    """
+
+    moments: Float[Array, "level m l sun wavelength"]
+    irradiance: Float[Array, "sun wavelength"]
+
+
+def make_grid(
+    planet: AbstractPlanet, sun_zenith: Float[Array, " sun"], quality: Quality
+) -> Grid:
+    """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
+    x = np.linspace(0, 1, quality.levels)
+    share = np.expm1(_LEVEL_GROWTH * x) / np.expm1(_LEVEL_GROWTH)
+    altitude = planet.top * jnp.asarray(share, planet.top.dtype)
+    horizon = planet.horizon(altitude)[:, None]
+    horizon = jnp.where(altitude[:, None] > 0, horizon, 0.0)
+
+    def panel(count, start, end):
+        nodes, weights = (jnp.asarray(a, altitude.dtype)[None, :] for a in gauss(count))
+        return start + (end - start) * nodes, (end - start) * weights
+
+    panels = [panel(quality.up, 0 * horizon, 1.0 + 0 * horizon)]
+    if not isinstance(planet, Flat):
+        panels.append(panel(quality.limb, horizon, 0 * horizon))
+    panels.append(panel(quality.down, -1.0 + 0 * horizon, horizon))
+    mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
+    azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
+    cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
+    return Grid(altitude, sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
+
+
+def panels(planet: AbstractPlanet, quality: Quality) -> list[tuple[Kind, slice]]:
+    """Which directions of a level rise, graze or fall."""
+    up, limb, down = quality.up, quality.limb, quality.down
+    if isinstance(planet, Flat):
+        return [("rising", slice(0, up)), ("falling", slice(up, up + down))]
+    return [
+        ("rising", slice(0, up)),
+        ("limb", slice(up, up + limb)),
+        ("falling", slice(up + limb, up + limb + down)),
+    ]
+
+
+def project(
+    grid: Grid,
+    mu: Float[Array, " ray"],
+    weight: Float[Array, " ray"],
+    light: Float[Array, "ray azimuth sun wavelength"],
+    degree: int,
+) -> tuple[Float[Array, "m l sun wavelength"], Float[Array, "sun wavelength"]]:
+    """Moments of the light at one level, and its downward irradiance."""
+    count = grid.cos_azimuth.shape[0]
+    modes = cosines(degree, grid.cos_azimuth) / count
+    by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
+    polynomials = legendre(degree, degree, mu, safe_sqrt(1 - mu**2)) * weight[None, None, :]
+    moments = jnp.einsum("mlr,mrsw->mlsw", polynomials, by_mode)
+    downward = weight * jnp.maximum(mu, 0.0)
+    return moments, jnp.einsum("r,rsw->sw", downward, by_mode[0])
+
+
+def first_field(
+    atmosphere: Atmosphere,
+    planet: AbstractPlanet,
+    columns: SunColumns,
+    grid: Grid,
+    quality: Quality,
+) -> Field:
+    """The first order at every level: sunlight scattered once, and lit ground."""
+    nodes, spread = _azimuth_rule(quality, isinstance(planet, Flat))
+    cos_nodes = jnp.asarray(nodes, grid.mu.dtype)
+    spread = jnp.asarray(spread, grid.mu.dtype)
+    zenith, cosine = jnp.broadcast_arrays(grid.sun_zenith[None, :], cos_nodes[:, None])
+    node_suns = SunDirection.from_angles(zenith, cosine)
+    suns = grid.sun_from()
+
+    def at_level(level):
+        altitude, mu, weight = level
+
+        def along(kind, ray_mu):
+            ray = Ray(altitude, ray_mu, safe_sqrt(1 - ray_mu**2))
+
+            def under(sun):
+                return first_order(
+                    atmosphere, planet, columns, ray, sun,
+                    kind=kind, nodes=quality.field_nodes, fine=quality.density_nodes, split=False,
+                )  # fmt: skip
+
+            return jax.vmap(jax.vmap(under))(node_suns)
+
+        parts = [
+            jax.vmap(partial(along, kind))(mu[part]) for kind, part in panels(planet, quality)
+        ]
+        strength = jnp.concatenate([p[0] for p in parts])  # [ray, node, sun, species, wavelength]
+        ground = jnp.concatenate([p[1] for p in parts])
+        sine = safe_sqrt(1 - mu**2)[:, None, None]
+        cos_gamma = mu[:, None, None] * suns.up[None] + sine * suns.ahead[None]
+        light = jnp.einsum("an,rnsw->rasw", spread, ground)
+        for number, one in enumerate(atmosphere.constituents):
+            here = jnp.einsum("an,rnsw->rasw", spread, strength[..., number, :])
+            light = light + one.phase.spectral(cos_gamma) * here
+        return project(grid, mu, weight, light, quality.degree)
+
+    moments, irradiance = jax.lax.map(at_level, (grid.altitude, grid.mu, grid.weight))
+    return Field(moments, irradiance[0])
+
+
+def _azimuth_rule(quality: Quality, flat: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines of azimuth at which to integrate, and their weights for all azimuths.
+
+    Along a ray over a flat planet sunlight does not depend on azimuth; over a sphere only through
+    the turning vertical, so that a polynomial in cos φ through a few nodes follows it.
+    """
+    azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
+    if flat:
+        return np.ones(1), np.ones((quality.azimuths, 1))
+    count = quality.sun_azimuths
+    nodes = np.cos(np.pi * np.arange(count) / (count - 1))
+    powers = np.polynomial.chebyshev.chebvander(nodes, count - 1)
+    wanted = np.polynomial.chebyshev.chebvander(np.cos(azimuth), count - 1)
+    return nodes, wanted @ np.linalg.inv(powers)

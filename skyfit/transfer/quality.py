@@ -1,0 +1,48 @@
+"""Sizes of quadratures and tables, by the accuracy asked for."""
+
+from typing import NamedTuple
+
+
+class Quality(NamedTuple):
+    """How finely the simulator looks. All static: each set of sizes is one compiled program.
+
+    Attributes:
+        view_nodes: Light along a line of sight, each lit stretch.
+        density_nodes: Density along any ray: rough, and cheap since free of wavelength and sun.
+        column_altitudes: Table of columns towards the sun.
+        column_angles: The same, in the sun's zenith angle.
+        levels: Altitudes at which the light field is kept for the higher orders.
+        field_nodes: Light along a ray that ends at a level.
+        up: Directions above the horizontal, at a level.
+        limb: Directions between the horizontal and the horizon.
+        down: Directions below the horizon.
+        azimuths: Azimuths in half a turn.
+        sun_azimuths: Of these, as many at which the first order is integrated.
+        degree: Highest degree of the spherical harmonics.
+        sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree].
+        orders: How many orders `orders=None` computes before the geometric tail.
+    """
+
+    view_nodes: int
+    density_nodes: int
+    column_altitudes: int
+    column_angles: int
+    levels: int
+    field_nodes: int
+    up: int
+    limb: int
+    down: int
+    azimuths: int
+    sun_azimuths: int
+    degree: int
+    sun_offsets_deg: tuple[float, ...]
+    orders: int
+
+
+QUALITIES = {
+    "draft": Quality(32, 48, 96, 48, 10, 12, 10, 4, 6, 16, 3, 14, (-3.0, 0.0, 3.0), 5),
+    "default": Quality(48, 96, 128, 64, 16, 20, 16, 6, 10, 28, 4, 26, (-3.0, 0.0, 3.0), 8),
+    "high": Quality(
+        64, 160, 192, 96, 24, 28, 24, 8, 16, 48, 6, 44, (-8.0, -3.0, 0.0, 3.0, 8.0), 12
+    ),
+}

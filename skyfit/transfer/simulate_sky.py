@@ -1,0 +1,240 @@
+"""Simulate the radiance of a sky: the public verb."""
+
+from typing import Literal
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float
+
+from .._typing import as_float, check, is_traced
+from ..angles import cos_view_sun_angle
+from ..atmosphere import Atmosphere
+from .field import first_field, make_grid
+from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
+from .orders import gather, next_field, scatter
+from .paths import Kind, SunColumns, sun_columns
+from .quality import QUALITIES, Quality
+from .single import first_order
+from .views import Views, group
+
+
+Geometry = Literal["spherical", "flat", "paper"]
+
+PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
+
+
+class Sky(eqx.Module):
+    """Spectral radiance of the sky by order of scattering.
+
+    Attributes:
+        by_order: Orders 1, 2, … one by one [W m⁻² sr⁻¹ nm⁻¹]. A reflection by the ground counts
+            as one.
+        tail: All orders beyond, as a geometric series; 0 unless all orders were asked for.
+    """
+
+    by_order: Float[Array, "order *batch wavelength"]
+    tail: Float[Array, "*batch wavelength"]
+
+    @property
+    def radiance(self) -> Float[Array, "*batch wavelength"]:
+        """Sum of the orders and the tail [W m⁻² sr⁻¹ nm⁻¹]."""
+        return jnp.sum(self.by_order, axis=0) + self.tail
+
+
+def simulate(
+    atmosphere: Atmosphere,
+    sun_zenith: ArrayLike,
+    view_zenith: ArrayLike,
+    relative_azimuth: ArrayLike,
+    orders: int | None = 2,
+    geometry: Geometry = "spherical",
+    quality: str | Quality = "default",
+    observer_altitude: ArrayLike = 0.0,
+) -> Sky:
+    """Simulate the radiance of a sky, without the sun's disc.
+
+    Angles and altitude broadcast. Directions that share a sun cost little beside one more sun: for
+    many skies give suns of shape [sun, 1] and directions of shape [direction].
+
+    Args:
+        atmosphere: What scatters and absorbs, and the sunlight above it.
+        sun_zenith: Zenith angle of the sun at the observer, in [0, π]; beyond π/2 it is below the
+            horizontal [rad].
+        view_zenith: Zenith angle of the direction, in [0, π] [rad].
+        relative_azimuth: View azimuth minus sun azimuth, 0 towards the sun [rad].
+        orders: How many orders of scattering, 1 or more; None for all.
+        geometry: "spherical"; "flat" for a plane-parallel atmosphere; "paper" for flat where the
+            view zenith is below 70° and spherical above, as Preetham et al. (1999) did.
+        quality: "draft", "default" or "high"; see `skyfit.transfer.quality`.
+        observer_altitude: 0 or more; above the atmosphere as well [m].
+
+    Returns:
+        The sky; its spectra have the atmosphere's wavelengths.
+
+    Raises:
+        ValueError: An angle or altitude out of its range, an unknown geometry or quality.
+    """
+    sizes = _sizes(orders, geometry, quality)
+    sun = _checked(sun_zenith, "sun_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
+    view = _checked(view_zenith, "view_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
+    azimuth = _checked(relative_azimuth, "relative_azimuth", "must be finite, in rad")
+    altitude = _checked(observer_altitude, "observer_altitude", "must be 0 m or more", 0.0)
+    if geometry == "paper":
+        flat, spherical = (
+            simulate(atmosphere, sun, view, azimuth, orders, one, quality, altitude)
+            for one in ("flat", "spherical")
+        )
+        near = view < PAPER_FLAT_BELOW
+        return jax.tree.map(lambda a, b: _choose(near, a, b), flat, spherical)
+    views, shape = group(sun, view, azimuth, altitude)
+    rising = _known(view, lambda v: v <= np.pi / 2 + 1e-6) and _known(altitude, lambda h: h == 0)
+    day = rising and _known(sun, lambda s: s <= np.pi / 2)
+    by_order = _simulate(
+        atmosphere, views, count=sizes.orders if orders is None else orders,
+        flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any", split=not day,
+    )  # fmt: skip
+    by_order = shape.restore(by_order)
+    tail = _tail(by_order) if orders is None else jnp.zeros_like(by_order[0])
+    return Sky(by_order, tail)
+
+
+@eqx.filter_jit
+def _simulate(
+    atmosphere: Atmosphere,
+    views: Views,
+    *,
+    count: int,
+    flat: bool,
+    quality: Quality,
+    kind: Kind,
+    split: bool,
+) -> Float[Array, "order sun ray out wavelength"]:
+    """Every order, for every sun in turn."""
+    radius, top = atmosphere.planet_radius, atmosphere.top_altitude
+    planet = Flat(top) if flat else Spherical(radius, top)
+    columns = sun_columns(
+        atmosphere, planet, quality.column_altitudes, quality.column_angles, quality.density_nodes
+    )
+
+    def under_one_sun(view: Views):
+        eyes = _eyes(planet, view, kind)
+        first = _first(atmosphere, planet, columns, view, eyes, quality, kind, split)
+        if count == 1:
+            return first[None]
+        offsets = (0.0,) if flat else quality.sun_offsets_deg
+        suns = view.sun + jnp.radians(jnp.asarray(offsets, view.sun.dtype))
+        grid = make_grid(planet, suns, quality)
+        field = first_field(atmosphere, planet, columns, grid, quality)
+
+        def look(field):
+            source = scatter(atmosphere, field)
+
+            def along(ray, sun, meets):
+                light = gather(
+                    atmosphere, planet, grid, source, ray, sun, kind=kind, quality=quality
+                )
+                return jnp.where(meets, light, 0.0)
+
+            return jax.vmap(along)(*eyes)
+
+        def step(field, _):
+            field = next_field(atmosphere, planet, grid, field, quality)
+            return field, look(field)
+
+        second = look(field)
+        _, higher = jax.lax.scan(step, field, length=count - 2)
+        return jnp.concatenate([first[None], second[None], higher])
+
+    light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
+    return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
+
+
+def _eyes(planet: AbstractPlanet, view: Views, kind: Kind):
+    """Lines of sight where they enter the atmosphere, the sun of each azimuth, and if they do."""
+    mu, sine = jnp.cos(view.view), jnp.sin(view.view)
+    if kind == "rising":
+        mu = jnp.maximum(mu, 0.0)
+
+    def one(altitude, mu, sine, azimuth):
+        ray = Ray(altitude, mu, sine)
+        sun = SunDirection.from_angles(view.sun, jnp.cos(azimuth))
+        if kind == "rising":
+            return ray, sun, jnp.asarray(True)
+        return planet.enter(ray, sun)
+
+    return jax.vmap(one)(view.altitude, mu, sine, view.azimuth)
+
+
+def _first(
+    atmosphere: Atmosphere,
+    planet: AbstractPlanet,
+    columns: SunColumns,
+    view: Views,
+    eyes: tuple[Ray, SunDirection, Array],
+    quality: Quality,
+    kind: Kind,
+    split: bool,
+) -> Float[Array, "ray out wavelength"]:
+    """The first order along every line of sight."""
+    cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
+    phases = [one.phase.spectral(cos_gamma) for one in atmosphere.constituents]
+
+    def along(ray, suns, meets):
+        def under(sun):
+            return first_order(
+                atmosphere, planet, columns, ray, sun,
+                kind=kind, nodes=quality.view_nodes, fine=quality.density_nodes, split=split,
+            )  # fmt: skip
+
+        strength, ground = jax.vmap(under)(suns)
+        return jnp.where(meets, strength, 0.0), jnp.where(meets, ground, 0.0)
+
+    strength, light = jax.vmap(along)(*eyes)
+    for number, phase in enumerate(phases):
+        light = light + phase * strength[:, :, number]
+    return light
+
+
+def _tail(by_order: Float[Array, "order *batch wavelength"]) -> Float[Array, "*batch wavelength"]:
+    """Orders past the last, in the ratio of the last two."""
+    last, before = by_order[-1], by_order[-2]
+    lit = before > 0
+    ratio = jnp.where(lit, last / jnp.where(lit, before, 1.0), 0.0)
+    # Successive orders of a passive atmosphere fade; a ratio near 1 could only be rounding.
+    ratio = jnp.clip(ratio, 0.0, 0.98)
+    return last * ratio / (1 - ratio)
+
+
+def _choose(near, a, b):
+    """`a` where near, along the trailing batch axes of `[..., wavelength]` arrays."""
+    batch = near.reshape((1,) * (a.ndim - 1 - near.ndim) + near.shape)
+    return jnp.where(batch[..., None], a, b)
+
+
+def _known(values: Float[Array, "..."], test) -> bool:
+    """Whether values are known before compiling and all pass."""
+    return not is_traced(values) and bool(np.all(test(np.asarray(values))))
+
+
+def _checked(value: ArrayLike, name: str, what: str, low=-np.inf, high=np.inf):
+    values = as_float(value)
+    slack = 1e-6 * (high < np.inf)  # rad: float32's π is larger than π
+    bad = ~((values >= low) & (values <= high + slack) & jnp.isfinite(values))
+    return check(values, bad, f"simulate({name}=...) {what}")
+
+
+def _sizes(orders: int | None, geometry: str, quality: str | Quality) -> Quality:
+    if orders is not None and (not isinstance(orders, int) or orders < 1):
+        raise ValueError(f"simulate(orders=...): expected 1 or more, or None for all; got {orders!r}")
+    if geometry not in ("spherical", "flat", "paper"):
+        raise ValueError(
+            f"simulate(geometry=...): expected 'spherical', 'flat' or 'paper'; got {geometry!r}"
+        )
+    if isinstance(quality, Quality):
+        return quality
+    if quality not in QUALITIES:
+        names = ", ".join(repr(name) for name in QUALITIES)
+        raise ValueError(f"simulate(quality=...): expected one of {names}; got {quality!r}")
+    return QUALITIES[quality]
