@@ -146,11 +146,10 @@ class _Scene:
         hit = self.crossings(p, d, 0.0)[:, 0]
         down = np.sum(self.up(p) * d, axis=-1) < 0
         if self.flat:
-            # A level ray never leaves: it is followed until nothing comes through.
-            thin = self.air.density(self.altitude(p)) @ self.air.extinction
-            opaque = 60 / np.min(thin, axis=-1)
             leave = np.where(down, hit, last)
-            leave = np.where(np.isfinite(leave), np.minimum(leave, opaque), opaque)
+            # A level ray never leaves: it is followed until nothing comes through.
+            thin = np.min(self.air.density(self.altitude(p)) @ self.air.extinction, axis=-1)
+            leave = np.where(np.abs(d[:, 2]) < 1e-6, 60 / thin, leave)
             inside = self.altitude(p) <= self.air.top
             return np.where(inside, 0.0, first), leave, down & (leave == hit)
         ends = down & np.isfinite(hit)
