@@ -1,0 +1,153 @@
+"""Perez's distribution over the sky, and the sky model made of three of them.
+
+Sources: Perez, Seals & Michalsky (1993), "All-weather model for sky luminance distribution", Solar
+Energy 50(3); Preetham, Shirley & Smits (1999), equations 3 and 4.
+"""
+
+import math
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, ArrayLike, Float
+
+from .._typing import as_float
+from ..angles import view_sun_angle
+from .base import AbstractSkyModel
+from .directions import align, angle_between, combine, components
+from .zenith import CubicZenith, TangentZenith
+
+
+CHANNELS = ("x", "y", "Y")  # in the order of `xyY`
+COEFFICIENTS = ("A", "B", "C", "D", "E")
+
+# At cos θ below this, e^{B/cos θ} is 0 in float64 for any B below -1e-6: the limit is exact there.
+_LEAST_COSINE = 1e-9
+_XYZ_FROM_TOTAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -1.0, 1.0))  # Z = total - X - Y
+_TWILIGHT_DECAY = math.log(10) / math.radians(2.5)  # per radian of the sun's depression
+
+
+def perez(
+    coefficients: Float[Array, "5 *#batch"],
+    cos_view: Float[Array, "*#batch"],
+    gamma: Float[Array, "*#batch"],
+    cos_gamma: Float[Array, "*#batch"],
+) -> Float[Array, "*batch"]:
+    """F = (1 + A e^{B/cos θ}) (1 + C e^{D γ} + E cos²γ).
+
+    Args:
+        coefficients: A, B, C, D, E on the first axis; B below 0.
+        cos_view: Cosine of the view zenith angle; at 0 and below, the horizon's limit is returned.
+        gamma: Angle between view and sun [rad].
+        cos_gamma: Its cosine.
+    """
+    a, b, c, d, e = coefficients
+    airmass = 1 / jnp.maximum(cos_view, _LEAST_COSINE)
+    gradation = 1 + a * jnp.exp(b * airmass)
+    indicatrix = 1 + c * jnp.exp(d * gamma) + e * cos_gamma**2
+    return gradation * indicatrix
+
+
+class PerezSky(AbstractSkyModel):
+    """Perez distributions of x, y and Y, their coefficients linear in a swept parameter.
+
+    A value is the zenith's times F(θ, γ) / F(0, θₛ). See `skyfit.models.base` for what is given
+    below the horizon, at night and outside the valid range.
+
+    Attributes:
+        parameter: Turbidity, or what else was swept; broadcasts against the angles.
+        coefficients: A to E as (slope, intercept) in the parameter, for x, y, Y.
+        zenith_x: Chromaticity of the zenith.
+        zenith_y: Chromaticity of the zenith.
+        zenith_luminance: Luminance of the zenith.
+        parameter_name: What the parameter is called.
+        parameter_range: Where the parameter is valid; it is held at the ends.
+        sun_zenith_range: Suns for which the model was made [rad].
+    """
+
+    parameter: Float[Array, "..."]
+    coefficients: Float[Array, "3 5 2"]
+    zenith_x: CubicZenith
+    zenith_y: CubicZenith
+    zenith_luminance: TangentZenith
+    parameter_name: str = eqx.field(static=True)
+    parameter_range: tuple[float, float] = eqx.field(static=True)
+    sun_zenith_range: tuple[float, float] = eqx.field(static=True)
+
+    @property
+    def valid_range(self) -> dict[str, tuple[float, float]]:
+        """Range of the swept parameter and of the sun's zenith angle [rad]."""
+        return {self.parameter_name: self.parameter_range, "sun_zenith": self.sun_zenith_range}
+
+    def xyY(
+        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
+    ) -> Float[Array, "*batch 3"]:
+        """Chromaticity x, y and luminance Y [cd m⁻²]; see `AbstractSkyModel.xyY`."""
+        sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
+        scales = self._zenith(parameter, sun) / self._overhead(parameter, sun)
+        values = self._distributions(parameter, cos_view, gamma, jnp.cos(gamma))
+        return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
+
+    def relative(
+        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
+    ) -> Float[Array, "*batch 3"]:
+        """F(θ, γ) / F(0, θₛ) of x, y and Y: each value over the zenith's. Arguments as `xyY`."""
+        sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
+        scales = 1 / self._overhead(parameter, sun)
+        values = self._distributions(parameter, cos_view, gamma, jnp.cos(gamma))
+        return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
+
+    def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
+        """CIE XYZ [cd m⁻²] for unit vectors, z up; see `AbstractSkyModel.xyz`."""
+        split = (*components(as_float(direction)), *components(as_float(sun_direction)))
+        *split, parameter = align(*split, self.parameter)
+        view, sun = tuple(split[:3]), tuple(split[3:])
+        up = jnp.zeros_like(sun[2])
+        sun_zenith, _ = angle_between(sun, (up, up, up + 1))
+        gamma, cos_gamma = angle_between(view, sun)
+        parameter = parameter.astype(gamma.dtype)
+        zenith, overhead = (
+            self._zenith(parameter, sun_zenith),
+            self._overhead(parameter, sun_zenith),
+        )
+        table = jnp.broadcast_to(self._at(parameter), (3, 5, *zenith.shape[1:]))
+        # What depends on the sun alone is divided as one block, which XLA then keeps out of the
+        # loop over directions: it does not repeat divisions.
+        rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
+            [overhead[:, None], jnp.ones_like(table)], axis=1
+        )
+        x, y, luminance = (row[0] * perez(row[1:], view[2], gamma, cos_gamma) for row in rows)
+        total = luminance / y
+        return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))
+
+    def perez_coefficients(self) -> Float[Array, "3 5 *batch"]:
+        """A to E for x, y, Y at the model's parameter, held to its valid range."""
+        held = jnp.clip(self.parameter, *self.parameter_range)
+        slope, intercept = jnp.moveaxis(self.coefficients.astype(held.dtype), -1, 0)
+        shape = (*slope.shape, *(1,) * held.ndim)
+        return slope.reshape(shape) * held[None, None] + intercept.reshape(shape)
+
+    def _angles(self, sun_zenith, view_zenith, relative_azimuth):
+        angles = (as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth))
+        sun, view, azimuth, parameter = align(*angles, self.parameter)
+        gamma = view_sun_angle(view, sun, azimuth)
+        return sun, jnp.cos(view), gamma, parameter.astype(gamma.dtype)
+
+    def _at(self, parameter):
+        return eqx.tree_at(lambda sky: sky.parameter, self, parameter).perez_coefficients()
+
+    def _distributions(self, parameter, cos_view, gamma, cos_gamma):
+        """F of each channel, in the shape the arguments broadcast to."""
+        return [perez(row, cos_view, gamma, cos_gamma) for row in self._at(parameter)]
+
+    def _overhead(self, parameter, sun_zenith):
+        """F(0, θₛ) of each channel, on the first axis."""
+        overhead = jnp.ones_like(sun_zenith)
+        return jnp.stack(self._distributions(parameter, overhead, sun_zenith, jnp.cos(sun_zenith)))
+
+    def _zenith(self, parameter, sun_zenith):
+        """x, y and Y of the zenith, on the first axis."""
+        held = jnp.clip(parameter, *self.parameter_range)
+        day = jnp.clip(sun_zenith, 0.0, math.pi / 2)
+        night = jnp.exp(-_TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
+        luminance = night * jnp.maximum(self.zenith_luminance(held, day), 0.0)
+        return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
