@@ -1,6 +1,6 @@
 """Array aliases and the two doors every public argument passes: conversion and checking."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jaxtyping import Array, ArrayLike as _ArrayLike, Bool, Float
+from jaxtyping import Array, ArrayLike as _ArrayLike, Float
 
 
 # What a caller may pass for an array: a number, an array, or (nested) lists of numbers.
@@ -59,8 +59,16 @@ def as_wavelengths(value: ArrayLike, name: str) -> Spectrum:
     lam = jnp.atleast_1d(as_parameter(value))
     if lam.ndim != 1 or lam.size == 0:
         raise ValueError(f"{name}: expected one axis of one value or more; got shape {lam.shape}")
-    step = jnp.diff(lam, prepend=jnp.zeros_like(lam[:1]))
-    return check(lam, ~((step > 0) & jnp.isfinite(lam)), f"{name} must increase from above 0 nm")
+    return check(lam, _is_no_spectrum, f"{name} must increase from above 0 nm")
+
+
+def falls_or_stays(values: Any) -> Any:
+    """Whether values along one axis fail to increase; for `check`."""
+    return ~(values[1:] > values[:-1]).all()
+
+
+def _is_no_spectrum(lam: Any) -> Any:
+    return falls_or_stays(lam) | ~((lam > 0) & (lam < np.inf))
 
 
 def is_traced(*values: object) -> bool:
@@ -69,13 +77,15 @@ def is_traced(*values: object) -> bool:
 
 
 def check(
-    value: Float[Array, "..."], bad: Bool[Array, "..."] | bool, message: str
+    value: Float[Array, "..."], fails: Callable[[Any], Any], message: str
 ) -> Float[Array, "..."]:
     """Refuse a value out of its domain with one line; return the value.
 
     Args:
         value: The argument to hand on; the check holds only if the return value is used.
-        bad: Where it is unacceptable, elementwise or as a whole.
+        fails: Tells where values are unacceptable, elementwise or as a whole. It is given a NumPy
+            array where the value is known (so that nothing need be compiled to refuse it), and
+            a traced one where it is not: operators and array methods serve both.
         message: Says what, where, and what was expected. What came is added where it is known.
 
     Returns:
@@ -85,10 +95,11 @@ def check(
         ValueError: At once, if the values are known.
         RuntimeError: When the compiled program runs, if they are traced.
     """
-    if is_traced(value, bad):
-        return eqx.error_if(value, bad, message)
-    mask = np.broadcast_to(np.asarray(bad), np.shape(value))
+    if is_traced(value):
+        return eqx.error_if(value, fails(value), message)
+    known = np.asarray(value)
+    mask = np.broadcast_to(fails(known), known.shape)
     if mask.any():
-        got = np.asarray(value)[mask].ravel()[0]
+        got = known[mask].ravel()[0]
         raise ValueError(f"{message}; got {got:.6g}")
     return value

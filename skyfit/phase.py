@@ -8,11 +8,12 @@ forward, and answers in the same shape; with a wavelength axis last if it depend
 import abc
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, as_float, as_parameter, check
+from ._typing import ArrayLike, as_float, as_parameter, check, falls_or_stays
 
 
 class AbstractPhaseFunction(eqx.Module):
@@ -120,7 +121,7 @@ class _Asymmetric(AbstractPhaseFunction):
                              f"wavelength; got shape {value.shape}")  # fmt: skip
         self.grey = value.ndim == 0
         message = f"{type(self).__name__}(g=...) must lie in (-1, 1)"
-        self.g = jnp.atleast_1d(check(value, ~(jnp.abs(value) < 1), message))
+        self.g = jnp.atleast_1d(check(value, lambda v: ~(abs(v) < 1), message))
 
     @property
     def is_grey(self) -> bool:
@@ -214,13 +215,15 @@ class Tabulated(AbstractPhaseFunction):
                 "phase.Tabulated: expected angle [angle] and value [angle] or [angle, "
                 f"wavelength], two angles or more; got shapes {theta.shape} and {p.shape}"
             )
-        bad = ~(jnp.diff(theta, prepend=theta[:1] - 1) > 0) | (theta < 0) | (theta > np.pi + 1e-6)
-        theta = check(theta, bad, "phase.Tabulated: angle must increase within [0, pi] rad")
-        p = check(p, ~((p > 0) & jnp.isfinite(p)), "phase.Tabulated: value must be above 0")
+        theta = check(
+            theta,
+            lambda v: falls_or_stays(v) | (v < 0) | (v > np.pi + 1e-6),
+            "phase.Tabulated: angle must increase within [0, pi] rad",
+        )
+        p = check(p, lambda v: ~((v > 0) & (v < np.inf)), "phase.Tabulated: value must be above 0")
         self.grey = p.ndim == 1
-        log_p = jnp.log(p if p.ndim == 2 else p[:, None])
         self.angle = theta
-        self.log_value = log_p - jnp.log(_sphere_integral(theta, log_p))[None, :]
+        self.log_value = _normalised(theta, p if p.ndim == 2 else p[:, None])
 
     @property
     def is_grey(self) -> bool:
@@ -278,6 +281,13 @@ def _panel_nodes(angle, nodes_per_panel):
     middle = 0.5 * (edges[1:] + edges[:-1])[:, None]
     x, w = as_parameter(x)[None, :], as_parameter(w)[None, :]
     return (middle + half * x).ravel(), (half * w).ravel()
+
+
+@jax.jit
+def _normalised(angle, value):
+    """Logarithm of values divided by their integral over the sphere."""
+    log_p = jnp.log(value)
+    return log_p - jnp.log(_sphere_integral(angle, log_p))[None, :]
 
 
 def _sphere_integral(angle, log_p):

@@ -6,6 +6,8 @@ tables 1 and 2. The misprints mended here are listed in the README.
 
 from typing import Literal
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
@@ -80,13 +82,22 @@ def haze_phase(wavelengths: ArrayLike) -> Tabulated:
     Log-linear in angle, constant within 1° of forward; linear in wavelength, constant beyond
     400–850 nm. Twice π K is the sphere's integral of η; the tables agree within 1 %.
     """
+    lam = jnp.atleast_1d(as_parameter(wavelengths))
+    return _haze_phase(_eta(lam))
+
+
+def _eta(lam: Spectrum) -> Float[Array, "angle wavelength"]:
+    """Table 1 at wavelengths."""
     table = read_table("preetham1999_table1_mie_eta")
     names = [name for name in table if name.startswith("eta_")]
-    tabulated_at = np.array([float(name[4:-2]) for name in names])
-    eta = np.stack([table[name] for name in names], axis=1)
-    lam = jnp.atleast_1d(as_parameter(wavelengths))
-    by_angle = [jnp.interp(lam, as_parameter(tabulated_at), as_parameter(row)) for row in eta]
-    return Tabulated(np.radians(table["scattering_angle_deg"]), jnp.stack(by_angle))
+    tabulated_at = as_parameter([float(name[4:-2]) for name in names])
+    rows = as_parameter(np.stack([table[name] for name in names], axis=1))
+    return jax.vmap(lambda row: jnp.interp(lam, tabulated_at, row))(rows)
+
+
+def _haze_phase(eta: Float[Array, "angle wavelength"]) -> Tabulated:
+    angle = read_table("preetham1999_table1_mie_eta")["scattering_angle_deg"]
+    return Tabulated(np.radians(angle), eta)
 
 
 def solar_irradiance(wavelengths: ArrayLike) -> Float[Array, "..."]:
@@ -139,18 +150,18 @@ def preetham_atmosphere(
             f"'coefficients'; got {turbidity_means!r}"
         )
     value = as_scalar(turbidity, "preetham_atmosphere(turbidity=...)")
-    bad = ~((value >= 1) & jnp.isfinite(value))
-    value = check(value, bad, "preetham_atmosphere(turbidity=...) must be 1 or more")
+    message = "preetham_atmosphere(turbidity=...) must be 1 or more"
+    value = check(value, lambda v: ~((v >= 1) & (v < np.inf)), message)
     wavelengths = PAPER_WAVELENGTHS if wavelengths is None else wavelengths
     lam = as_wavelengths(wavelengths, "preetham_atmosphere(wavelengths=...)")
-    air = Constituent(StandardAtmosphere(), rayleigh_scattering(lam), phase=Rayleigh())
     density = elterman_haze() if haze_density is None else haze_density
-    coefficient = haze_scattering(value, lam)
-    if turbidity_means == "optical thickness":
-        coefficient = coefficient * _to_definition(value, air.density, density)
-    haze = Constituent(density, coefficient, phase=haze_phase(lam))
-    constituents = (air, haze, _ozone(lam)) if ozone else (air, haze)
-    return Atmosphere(lam, solar_irradiance(lam), constituents, ground_albedo)
+    by_definition = turbidity_means == "optical thickness"
+    beta_air, beta_haze, eta, sun, ozone_absorption = _spectra(value, lam, density, by_definition)
+    air = Constituent(StandardAtmosphere(), beta_air, phase=Rayleigh())
+    haze = Constituent(density, beta_haze, phase=_haze_phase(eta))
+    layer = Constituent(ozone_layer(), 0.0, ozone_absorption, phase=Rayleigh())
+    constituents = (air, haze, layer) if ozone else (air, haze)
+    return Atmosphere(lam, sun, constituents, ground_albedo)
 
 
 def table2(column: str, wavelengths: ArrayLike) -> Float[Array, "..."]:
@@ -174,19 +185,18 @@ def table2(column: str, wavelengths: ArrayLike) -> Float[Array, "..."]:
     )
 
 
-def _ozone(lam: Spectrum) -> Constituent:
-    layer = ozone_layer()
-    column = 15e3  # m: the tent's area
-    absorption = table2("k_ozone_m-1", lam) * OZONE_AMOUNT / column
-    return Constituent(layer, 0.0, absorption, phase=Rayleigh())
-
-
-def _to_definition(
-    turbidity: Scalar, air: AbstractProfile, haze: AbstractProfile
-) -> Float[Array, ""]:
-    """Factor on appendix A.3's haze coefficient that makes T what it is defined to be."""
-    at = as_parameter([constants.TURBIDITY_WAVELENGTH])
-    molecules = Constituent(air, rayleigh_scattering(at), phase=Rayleigh())
-    particles = Constituent(haze, haze_scattering(turbidity, at), phase=Rayleigh())
-    air_depth, haze_depth = Atmosphere(at, 1.0, (molecules, particles)).optical_depth()[:, 0]
-    return (turbidity - 1) * air_depth / haze_depth
+@eqx.filter_jit
+def _spectra(
+    turbidity: Scalar, lam: Spectrum, haze: AbstractProfile, by_definition: bool
+) -> tuple[Spectrum, Spectrum, Float[Array, "angle wavelength"], Spectrum, Spectrum]:
+    """All that the atmosphere's spectra take: β_m, β_p, η, sun, ozone; in one compiled program."""
+    beta_air, beta_haze = rayleigh_scattering(lam), haze_scattering(turbidity, lam)
+    if by_definition:
+        at = as_parameter(constants.TURBIDITY_WAVELENGTH)
+        top = constants.TOP_OF_ATMOSPHERE
+        air_depth = rayleigh_scattering(at) * StandardAtmosphere().column(top)
+        haze_depth = haze_scattering(turbidity, at) * haze.column(top)
+        beta_haze = beta_haze * (turbidity - 1) * air_depth / haze_depth
+    ozone_column = ozone_layer().column(constants.TOP_OF_ATMOSPHERE)
+    ozone = table2("k_ozone_m-1", lam) * OZONE_AMOUNT / ozone_column
+    return beta_air, beta_haze, _eta(lam), solar_irradiance(lam), ozone

@@ -8,9 +8,10 @@ import abc
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check
+from ._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check, falls_or_stays
 from .tables import read_table
 
 
@@ -20,6 +21,18 @@ class AbstractProfile(eqx.Module):
     @abc.abstractmethod
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
+
+    def column(self, top: ArrayLike, num_panels: int = 240) -> Scalar:
+        """Vertical column from the ground to `top` [m]: ∫ of the relative density.
+
+        Gauss quadrature on equal panels: exact for tabulated profiles whose knots fall on panel
+        edges (250 m under a 60 km top), within 1e-9 for scale heights down to 200 m.
+        """
+        x, w = np.polynomial.legendre.leggauss(5)
+        panel = as_parameter(top) / num_panels
+        start = jnp.arange(num_panels, dtype=panel.dtype) * panel
+        altitude = start[:, None] + 0.5 * panel * as_parameter(1 + x)[None, :]
+        return 0.5 * panel * jnp.sum(self(altitude) @ as_parameter(w))
 
 
 class Exponential(AbstractProfile):
@@ -34,7 +47,7 @@ class Exponential(AbstractProfile):
     def __init__(self, scale_height: ArrayLike):
         name = "Exponential(scale_height=...)"
         height = as_scalar(scale_height, name)
-        self.scale_height = check(height, ~(height > 0), f"{name} must be above 0 m")
+        self.scale_height = check(height, lambda v: ~(v > 0), f"{name} must be above 0 m")
 
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
@@ -62,18 +75,22 @@ class Tabulated(AbstractProfile):
                 "profile.Tabulated: expected altitude and relative_density of one shape, two "
                 f"values or more; got shapes {h.shape} and {rho.shape}"
             )
-        step = jnp.diff(h, prepend=h[:1] - 1)
-        self.altitude = check(h, ~(step > 0), "profile.Tabulated: altitude must increase")
+        self.altitude = check(h, falls_or_stays, "profile.Tabulated: altitude must increase")
         self.relative_density = check(
             rho,
-            ~((rho >= 0) & jnp.isfinite(rho)),
+            lambda v: ~((v >= 0) & (v < np.inf)),
             "profile.Tabulated: relative_density must be 0 or more",
         )
 
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
         altitude = as_float(altitude)
-        inside = jnp.interp(altitude, self.altitude, self.relative_density)
+        # A comparison with every knot is one vector operation; a binary search is not.
+        left = jnp.searchsorted(self.altitude, altitude, method="compare_all") - 1
+        left = jnp.clip(left, 0, self.altitude.size - 2)
+        slope = jnp.diff(self.relative_density) / jnp.diff(self.altitude)
+        above = jnp.maximum(altitude - self.altitude[left], 0.0)
+        inside = self.relative_density[left] + slope[left] * above
         return jnp.where(altitude <= self.altitude[-1], inside, 0.0)
 
 
@@ -95,11 +112,12 @@ class StandardAtmosphere(AbstractProfile):
         hydrostatic = 9.80665 * 28.9644 / 8314.32
         radius = 6.356766e6
         geopotential = radius * altitude / (radius + altitude)
-        layer = jnp.searchsorted(jnp.asarray(base, geopotential.dtype), geopotential, side="right")
-        layer = jnp.clip(layer - 1, 0)
 
         def pick(column):
-            return jnp.asarray(column, dtype=altitude.dtype)[layer]
+            chosen = jnp.full_like(geopotential, column[0])
+            for start, value in zip(base[1:], column[1:], strict=True):
+                chosen = jnp.where(geopotential >= start, float(value), chosen)
+            return chosen
 
         gradient = pick(lapse)
         rise = geopotential - pick(base)
@@ -107,9 +125,8 @@ class StandardAtmosphere(AbstractProfile):
         here = base_temperature + gradient * rise
         sloped = gradient != 0
         safe = jnp.where(sloped, gradient, 1.0)
-        power = (base_temperature / here) ** (hydrostatic / safe)
-        isothermal = jnp.exp(-hydrostatic * rise / base_temperature)
-        ratio = jnp.where(sloped, power, isothermal)
+        slope = jnp.where(sloped, jnp.log(base_temperature / here) / safe, -rise / base_temperature)
+        ratio = jnp.exp(hydrostatic * slope)
         ground = pressure[0] / temperature[0]
         return pick(pressure) * ratio / here / float(ground)
 
