@@ -27,19 +27,7 @@ class Steps:
     zeniths: int  # above the horizon of a point, and as many below
     azimuths: int  # on half a circle; the other half is its mirror image
 
-    def finer(self) -> "Steps":
-        """Every count larger by a half or more, to see what an answer is worth."""
-        halves = tuple(0.5 * (a + b) for a, b in zip(self.shells, self.shells[1:], strict=False))
-        return Steps(
-            tuple(sorted(self.shells + halves)),
-            self.distances,
-            self.nodes + 1,
-            self.zeniths * 3 // 2,
-            self.azimuths * 3 // 2,
-        )
 
-
-_FAR = (2e3, 1e4, 3e4, 1e5, 3e5)
 SINGLE = Steps(
     shells=(100.0, 200.0, 500.0, *(1e3 * k for k in range(1, 33)), 36e3, 40e3, 45e3, 50e3),
     distances=tuple(d * k for d in (1e2, 1e3, 1e4, 1e5) for k in (2.0, 5.0, 10.0)),
@@ -47,13 +35,24 @@ SINGLE = Steps(
     zeniths=0,
     azimuths=0,
 )
-DOUBLE = Steps(shells=(1e3, 3e3, 8e3, 20e3), distances=_FAR, nodes=3, zeniths=16, azimuths=24)
-DOUBLE_FINE = Steps(
-    shells=(300.0, 1e3, 2e3, 3e3, 4e3, 5e3, 7e3, 10e3, 14e3, 20e3, 32e3),
-    distances=_FAR,
+# Seconds for one direction; within 0.2 % by day, not enough for twilight.
+DOUBLE = Steps(
+    shells=(1e3, 2e3, 3e3, 5e3, 9e3, 20e3, 32e3),
+    distances=(2e3, 6e3, 2e4, 5e4, 1e5, 2e5, 4e5),
     nodes=3,
-    zeniths=28,
-    azimuths=36,
+    zeniths=16,
+    azimuths=24,
+)
+# Minutes for one direction: for numbers to keep.
+DOUBLE_FINE = Steps(
+    shells=(
+        *(300.0, 600.0, 1e3, 1.5e3, 2e3, 3e3, 4e3, 5e3, 7e3, 9e3, 12e3, 15e3, 20e3, 25e3),
+        *(32e3, 42e3),
+    ),
+    distances=(2e3, 5e3, 1e4, 2e4, 4e4, 8e4, 1.6e5, 3.2e5, 6.4e5),
+    nodes=4,
+    zeniths=32,
+    azimuths=40,
 )
 
 
