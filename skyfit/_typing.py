@@ -63,8 +63,9 @@ def as_wavelengths(value: ArrayLike, name: str) -> Spectrum:
 
 
 def falls_or_stays(values: Any) -> Any:
-    """Whether values along one axis fail to increase; for `check`."""
-    return ~(values[1:] > values[:-1]).all()
+    """Where values along one axis do not exceed the one before, or are NaN; for `check`."""
+    xp = jnp if is_traced(values) else np
+    return xp.concatenate([xp.isnan(values[:1]), ~(values[1:] > values[:-1])])
 
 
 def _is_no_spectrum(lam: Any) -> Any:

@@ -113,8 +113,8 @@ def solar_irradiance(wavelengths: ArrayLike) -> Float[Array, "..."]:
 def ozone_layer() -> TabulatedProfile:
     """Ozone density: a tent from 10 to 40 km with its peak of 1 at 25 km.
 
-    Source: Bruneton (2017), "A qualitative and quantitative evaluation of 8 clear sky models",
-    section 4 (after the U.S. Standard Atmosphere). Its column is 15 km.
+    Source: Bruneton (2017), "Precomputed Atmospheric Scattering: a New Implementation". Its column
+    is 15 km.
     """
     return TabulatedProfile([0.0, 10e3, 25e3, 40e3], [0.0, 0.0, 1.0, 0.0])
 
