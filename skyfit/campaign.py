@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import equinox as eqx
 import numpy as np
@@ -12,6 +12,8 @@ from jaxtyping import ArrayLike, Float
 from ._typing import Scalar, Spectrum, as_float
 from .atmosphere import Atmosphere
 from .preetham_air import PAPER_WAVELENGTHS, preetham_atmosphere
+from .transfer.quality import QUALITIES
+from .transfer.simulate_sky import Geometry
 
 
 Values = ArrayLike | Sequence[int | float]
@@ -22,8 +24,6 @@ PAPER_TURBIDITIES = (2.0, 3.0, 4.0, 5.0, 6.0)
 PAPER_SUN_ZENITHS_DEG = tuple(np.linspace(0.0, 85.0, 12).tolist())
 PAPER_VIEW_ZENITHS_DEG = tuple(np.arange(5.0, 91.0, 5.0).tolist())
 PAPER_RELATIVE_AZIMUTHS_DEG = tuple(np.arange(0.0, 181.0, 10.0).tolist())
-GEOMETRIES = ("spherical", "flat", "paper")
-QUALITIES = ("draft", "default", "high")
 TURBIDITY_MEANINGS = ("optical thickness", "coefficients")
 
 
@@ -117,7 +117,7 @@ class Campaign:
     wavelengths: tuple[float, ...]
     atmosphere: PaperAtmosphere
     orders: int | None
-    geometry: str
+    geometry: Geometry
     quality: str
     observer_altitude: float
     keep_orders: bool
@@ -131,7 +131,7 @@ class Campaign:
         wavelengths: Values = PAPER_WAVELENGTHS,
         atmosphere: PaperAtmosphere | None = None,
         orders: int | None = 2,
-        geometry: str = "spherical",
+        geometry: Geometry = "spherical",
         quality: str = "default",
         observer_altitude: float = 0.0,
         keep_orders: bool = False,
@@ -154,8 +154,8 @@ class Campaign:
             )
         if orders is not None and (isinstance(orders, bool) or orders < 1):
             raise ValueError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
-        _one_of("Campaign", "geometry", geometry, GEOMETRIES)
-        _one_of("Campaign", "quality", quality, QUALITIES)
+        _one_of("Campaign", "geometry", geometry, get_args(Geometry))
+        _one_of("Campaign", "quality", quality, tuple(QUALITIES))
         if not 0 <= observer_altitude < np.inf:
             raise ValueError(
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"

@@ -32,7 +32,7 @@ def run_campaign(
     store: str | PathLike[str] | None = None,
     *,
     workers: int = 1,
-    suns_per_call: int = 4,
+    suns_per_call: int | None = None,
 ) -> xr.Dataset:
     """Simulate every sky of a campaign.
 
@@ -42,8 +42,9 @@ def run_campaign(
         store: A name ending in .zarr or .nc to save the skies under. A .zarr store keeps every
             finished sky: the same call continues it after an interruption.
         workers: Threads that run the compiled program side by side.
-        suns_per_call: Suns in one call of the program: how much an interruption loses, and how
-            much memory a call takes.
+        suns_per_call: Suns that one call of the program simulates: how much an interruption
+            loses, and how much memory a call takes. All of a turbidity's, at most 12, by default.
+            Campaigns with as many share the compiled program.
 
     Returns:
         Dimensions (turbidity, sun_zenith, direction, wavelength); see `skyfit.dataset`.
@@ -51,6 +52,8 @@ def run_campaign(
     Raises:
         ValueError: `store` holds something else, or a store of another campaign.
     """
+    if suns_per_call is None:
+        suns_per_call = min(12, len(campaign.sun_zenith))
     if workers < 1 or suns_per_call < 1:
         raise ValueError(
             "run_campaign: expected workers and suns_per_call of 1 or more; "
@@ -102,10 +105,9 @@ def _simulated(
 ) -> Iterator[tuple[_Job, dict[str, np.ndarray]]]:
     """Every job with the variables of its skies, as they are ready."""
     atmospheres = [campaign.build_atmosphere(value) for value in campaign.swept[1]]
-    size = min(suns_per_call, len(campaign.sun_zenith))
 
     def work(job: _Job) -> tuple[_Job, dict[str, np.ndarray]]:
-        return job, _skies(campaign, atmospheres[job.at], job.suns, size)
+        return job, _skies(campaign, atmospheres[job.at], job.suns, suns_per_call)
 
     # The first job alone compiles the program; two threads would each compile it.
     yield from map(work, jobs[: 1 if workers > 1 else None])

@@ -1,0 +1,64 @@
+"""Differentiable simulation of clear skies, and refitting of analytic sky models.
+
+The road: `Atmosphere` → `simulate` / `run_campaign` → sky dataset → `fit_sky` → `SkyFit` → a sky
+model with `xyY`, `radiance` and `rgb`. Published models need no dataset: `preetham_sky`.
+
+Units are SI, angles in radians, wavelengths in nm; a spectral result has its wavelength axis last.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+
+# Every name is loaded when it is first asked for: fitting, files and pictures bring optimistix,
+# xarray and matplotlib with them, which a user of the formulas alone should not wait for.
+if TYPE_CHECKING:
+    from . import angles as angles, phase as phase, profile as profile
+    from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
+    from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
+    from .campaign_file import load_campaign as load_campaign
+    from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
+    from .fitting import (
+        SkyFit as SkyFit,
+        fit_sky as fit_sky,
+        load_fit as load_fit,
+        recovery_error as recovery_error,
+        shape_error as shape_error,
+    )
+    from .measurements import cornell_skies as cornell_skies
+    from .models import preetham_sky as preetham_sky
+    from .preetham_air import preetham_atmosphere as preetham_atmosphere
+    from .report import reproduce as reproduce
+    from .runner import run_campaign as run_campaign
+    from .transfer.simulate_sky import simulate as simulate
+
+_MODULES = ("angles", "phase", "profile")
+_NAMES = {
+    "atmosphere": ("Atmosphere", "Constituent"),
+    "campaign": ("Campaign", "PaperAtmosphere"),
+    "campaign_file": ("load_campaign",),
+    "dataset": ("load_dataset", "save_dataset"),
+    "fitting": ("SkyFit", "fit_sky", "load_fit", "recovery_error", "shape_error"),
+    "measurements": ("cornell_skies",),
+    "models": ("preetham_sky",),
+    "preetham_air": ("preetham_atmosphere",),
+    "report": ("reproduce",),
+    "runner": ("run_campaign",),
+    "transfer.simulate_sky": ("simulate",),
+}
+_HOME = {name: home for home, names in _NAMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(import_module(f".{_HOME[name]}", __name__), name)
+    elif name in _MODULES:
+        value = import_module(f".{name}", __name__)
+    else:
+        raise AttributeError(f"module 'skyfit' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_MODULES, *_HOME})

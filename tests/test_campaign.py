@@ -1,0 +1,148 @@
+"""Which skies are simulated: the paper's by default, and what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skyfit
+from skyfit.campaign import half_dome
+
+
+SIMS = Path(__file__).parent.parent / "sims"
+HEAD = 'schema = "skyfit/campaign/1"\n'
+
+
+def test_the_default_campaign_is_as_large_as_the_papers():
+    campaign = skyfit.Campaign()
+    assert campaign.turbidity == (2, 3, 4, 5, 6)
+    assert len(campaign.sun_zenith) == 12
+    assert len(campaign.view_zenith) == len(campaign.relative_azimuth) == 343
+    assert len(campaign.wavelengths) == 41
+    assert campaign.num_skies == 60
+    assert (campaign.orders, campaign.geometry) == (2, "spherical")
+
+
+def test_suns_of_the_default_campaign_run_evenly_from_overhead_to_5_degrees_of_elevation():
+    suns = np.degrees(skyfit.Campaign().sun_zenith)
+    np.testing.assert_allclose([suns[0], suns[-1]], [0, 85], atol=1e-12)
+    np.testing.assert_allclose(np.diff(suns), 85 / 11, rtol=1e-12)
+
+
+def test_directions_of_the_default_campaign_cover_the_half_dome_with_the_zenith_once():
+    campaign = skyfit.Campaign()
+    view, azimuth = np.degrees(campaign.view_zenith), np.degrees(campaign.relative_azimuth)
+    assert np.count_nonzero(view == 0) == 1
+    np.testing.assert_allclose(np.unique(np.round(view, 9)), np.arange(0, 91, 5), atol=1e-9)
+    np.testing.assert_allclose(np.unique(np.round(azimuth, 9)), np.arange(0, 181, 10), atol=1e-9)
+    assert len({*zip(view.round(9), azimuth.round(9), strict=True)}) == 343
+
+
+def test_the_shipped_campaign_file_is_the_default():
+    assert skyfit.load_campaign(SIMS / "preetham1999.toml") == skyfit.Campaign()
+
+
+def test_a_file_that_says_nothing_but_its_schema_is_the_default(tmp_path):
+    (tmp_path / "empty.toml").write_text(HEAD)
+    assert skyfit.load_campaign(tmp_path / "empty.toml") == skyfit.Campaign()
+
+
+def test_a_campaign_file_speaks_degrees_and_the_library_radians(tmp_path):
+    file = tmp_path / "one.toml"
+    file.write_text(
+        HEAD
+        + "[sweep]\nturbidity = 3\n[sampling]\nsun_zenith_deg = [30, 90]\nzenith = false\n"
+        + "view_zenith_deg = 45\nrelative_azimuth_deg = {first = 0, last = 180, count = 3}\n"
+        + "wavelengths_nm = {first = 400, last = 700, step = 100}\n"
+        + '[simulation]\norders = "all"\nobserver_altitude_m = 1500\n'
+    )
+    campaign = skyfit.load_campaign(file)
+    np.testing.assert_allclose(campaign.sun_zenith, [np.pi / 6, np.pi / 2], rtol=1e-15)
+    np.testing.assert_allclose(campaign.view_zenith, [np.pi / 4] * 3, rtol=1e-15)
+    np.testing.assert_allclose(campaign.relative_azimuth, [0, np.pi / 2, np.pi], rtol=1e-15)
+    assert campaign.wavelengths == (400, 500, 600, 700)
+    assert campaign.orders is None
+    assert campaign.observer_altitude == 1500
+
+
+def test_a_campaign_survives_json():
+    campaign = skyfit.Campaign(
+        turbidity=[2.5], orders=None, atmosphere=skyfit.PaperAtmosphere(ozone=True)
+    )
+    assert skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict()))) == campaign
+
+
+def test_the_campaigns_atmosphere_is_the_papers_of_that_turbidity():
+    campaign = skyfit.Campaign(wavelengths=[450.0, 550.0, 650.0])
+    depth = campaign.build_atmosphere(3.0).optical_depth()
+    # The definition: T is the optical thickness of air and haze over that of air at 550 nm.
+    np.testing.assert_allclose(depth[:, 1].sum() / depth[0, 1], 3, rtol=1e-12)
+
+
+def test_a_half_dome_runs_through_the_azimuths_of_each_ring_in_turn():
+    view, azimuth = half_dome([1.0, 2.0], [0.0, 3.0])
+    assert view.tolist() == [0, 1, 1, 2, 2]
+    assert azimuth.tolist() == [0, 0, 3, 0, 3]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"turbidity": [0.5]}, r"Campaign\(turbidity=...\): expected .* 1 or more; got 0.5"),
+        ({"turbidity": [3, 2]}, "turbidity=.* expected increasing values; got 3 before 2"),
+        ({"turbidity": float("nan")}, "turbidity=.* got nan"),
+        ({"sun_zenith": [1.0, 4.0]}, r"sun_zenith=.* within \[0, 3.14159\]; got 4"),
+        ({"wavelengths": []}, r"wavelengths=.* expected one axis; got shape \(0,\)"),
+        ({"view_zenith": [1.0]}, "view_zenith and relative_azimuth .* got only one"),
+        (
+            {"view_zenith": [1.0], "relative_azimuth": [0.0, 1.0]},
+            "as many relative_azimuth as view_zenith, .* got 2 and 1",
+        ),
+        (
+            {"view_zenith": [1.0], "relative_azimuth": [np.inf]},
+            "relative_azimuth=.* finite values; got inf",
+        ),
+        ({"orders": 0}, "orders=.* expected 1 or more, or None; got 0"),
+        ({"observer_altitude": -1.0}, "observer_altitude=.* expected 0 m or more; got -1.0"),
+        ({"geometry": "round"}, "geometry=.* expected one of 'spherical', .* got 'round'"),
+        ({"quality": "best"}, "quality=.* expected one of 'draft', .* got 'best'"),
+    ],
+)
+def test_an_impossible_campaign_is_refused_by_the_name_of_its_argument(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        skyfit.Campaign(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "schema is missing"),
+        ("x", "not a TOML file"),
+        ('schema = "other/1"', "schema: expected 'skyfit/campaign/1'; got 'other/1'"),
+        (HEAD + "[swep]\nturbidity = 2", "swep: unknown key; did you mean sweep?"),
+        (HEAD + "colour = 3", "colour: unknown key; expected one of schema, title, atmosphere"),
+        (HEAD + "[sampling]\nsun_zenith = 3", "sampling.sun_zenith: .* did you mean sun_zenith_d"),
+        (HEAD + "[sampling]\nsun_zenith_deg = [3, 200]", r"sun_zenith_deg\[1\]: .*180; got 200"),
+        (HEAD + "[sampling]\nsun_zenith_deg = [3, 2]", "increasing values; got 3 before 2"),
+        (HEAD + '[sampling]\nsun_zenith_deg = "3"', "sun_zenith_deg: expected numbers or"),
+        (HEAD + "[sampling]\nview_zenith_deg = {first = 0, last = 9}", "one of count, step"),
+        (HEAD + "[sampling]\nwavelengths_nm = {first = 1, last = 5, step = 3}", "do not end at 5"),
+        (HEAD + "[sampling]\nwavelengths_nm = []", "wavelengths_nm: expected one number or more"),
+        (HEAD + "[sweep]\nturbidity = [0.9]", r"sweep.turbidity\[0\]: .* 1; got 0.9"),
+        (HEAD + "[sweep]\nturbidity = nan", "sweep.turbidity: expected numbers .* got nan"),
+        (HEAD + "[simulation]\norders = 0", "simulation.orders: .* 1; got 0"),
+        (HEAD + '[simulation]\ngeometry = "round"', "simulation.geometry: expected 'spherical'"),
+        (HEAD + "[atmosphere]\nozone = 1", "atmosphere.ozone: expected a boolean; got 1"),
+        (HEAD + "atmosphere = 3", "atmosphere: expected a table; got 3"),
+    ],
+)
+def test_a_wrong_campaign_file_is_refused_with_one_line_naming_file_and_key(
+    tmp_path, content, message
+):
+    file = tmp_path / "wrong.toml"
+    file.write_text(content)
+    with pytest.raises(ValueError, match=message) as refusal:
+        skyfit.load_campaign(file)
+    assert str(refusal.value).startswith(f"{file}: ")
+    assert "\n" not in str(refusal.value)

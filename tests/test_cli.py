@@ -1,0 +1,150 @@
+"""The command line: exit status, one line for a mistake, JSON on request, interruptions."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from stand_in import stand_in
+
+import skyfit
+from skyfit import cli, runner
+
+
+CAMPAIGN = """
+schema = "skyfit/campaign/1"
+[sweep]
+turbidity = [2, 4]
+[sampling]
+sun_zenith_deg = [10, 40, 70]
+view_zenith_deg = [30, 60, 85]
+relative_azimuth_deg = [0, 90, 180]
+wavelengths_nm = [450, 550, 650]
+"""
+
+
+@pytest.fixture
+def campaign(tmp_path, monkeypatch):
+    """A small campaign file, and a simulator that costs nothing."""
+    monkeypatch.setattr(runner, "simulate", stand_in)
+    file = tmp_path / "small.toml"
+    file.write_text(CAMPAIGN)
+    return file
+
+
+def mistake(capsys, *arguments):
+    """Run what must be refused; return the one line on standard error."""
+    assert cli.run([str(argument) for argument in arguments]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("skyfit: ")
+    assert printed.err.count("\n") == 1
+    return printed.err
+
+
+def test_simulate_writes_the_campaign_of_the_file(campaign, tmp_path, capsys):
+    store = tmp_path / "sky.zarr"
+    assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
+    assert "skies        6" in capsys.readouterr().out
+    assert skyfit.load_dataset(store).sizes["direction"] == 10
+
+
+def test_simulate_prints_json_on_request(campaign, tmp_path, capsys):
+    store = tmp_path / "sky.nc"
+    assert cli.run(["simulate", str(campaign), "--out", str(store), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == {"out": str(store), "skies": 6, "directions": 10, "wavelengths": 3}
+
+
+def test_an_interrupted_simulation_says_how_to_go_on_and_does(
+    campaign, tmp_path, capsys, monkeypatch
+):
+    store = tmp_path / "sky.zarr"
+    calls = []
+
+    def stopped(*arguments, **options):
+        calls.append(1)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return stand_in(*arguments, **options)
+
+    monkeypatch.setattr(runner, "simulate", stopped)
+    assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 130
+    error = capsys.readouterr().err
+    assert f"interrupted: 3 of 6 skies are in {store}; the same command continues" in error
+    assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
+    assert len(calls) == 3
+    assert skyfit.load_dataset(store).sizes["turbidity"] == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["simulate", "{campaign}"], "Missing option '--out'"),
+        (["simulate", "--out", "s.zarr"], "Missing argument 'CAMPAIGN'"),
+        (["simulate", "none.toml", "--out", "s.zarr"], "none.toml"),
+        (["simulate", "{campaign}", "--out", "s.txt"], "s.txt: expected a name ending in .zarr"),
+        (["simulate", "{campaign}", "--out", "s.nc", "--workers", "0"], "'--workers': 0 is not"),
+        (["simulate", "{campaign}", "--out", "s.nc", "--wokers", "2"], "No such option"),
+        (["fit", "none.zarr", "--out", "fit.json"], "none.zarr: not found"),
+        (["fit", "{campaign}", "--out", "fit.json"], "expected a name ending in .zarr or .nc"),
+        (["fit", "none.zarr", "--out", "{campaign}"], "small.toml exists already"),
+        (["reproduce", "--out", "{campaign}"], "small.toml: exists and is not"),
+        (["paint"], "No such command 'paint'"),
+    ],
+)
+def test_a_mistake_is_answered_with_status_2_and_one_line(
+    campaign, capsys, arguments, message, monkeypatch
+):
+    monkeypatch.chdir(campaign.parent)
+    filled = [word.format(campaign=campaign) for word in arguments]
+    assert message in mistake(capsys, *filled)
+
+
+def test_a_wrong_key_is_answered_with_the_file_and_the_key(campaign, tmp_path, capsys):
+    campaign.write_text(CAMPAIGN.replace("sun_zenith_deg", "sun_elevation_deg"))
+    line = mistake(capsys, "simulate", campaign, "--out", tmp_path / "sky.zarr")
+    assert f"{campaign}: sampling.sun_elevation_deg: unknown key" in line
+
+
+def test_a_store_of_another_campaign_is_refused(campaign, tmp_path, capsys):
+    store = tmp_path / "sky.zarr"
+    assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
+    capsys.readouterr()
+    campaign.write_text(CAMPAIGN.replace("[2, 4]", "[2, 5]"))
+    line = mistake(capsys, "simulate", campaign, "--out", store)
+    assert "was made by another campaign; give another name" in line
+
+
+def test_a_foreign_directory_is_not_taken_for_a_report(tmp_path, capsys):
+    (tmp_path / "thesis.tex").write_text("precious")
+    line = mistake(capsys, "reproduce", "--out", tmp_path)
+    assert "holds something else" in line
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_a_bug_is_admitted_with_status_1_and_no_traceback(campaign, tmp_path, capsys, monkeypatch):
+    def broken(*_, **__):
+        raise TypeError("unsupported operand")
+
+    monkeypatch.setattr(runner, "simulate", broken)
+    assert cli.run(["simulate", str(campaign), "--out", str(tmp_path / "sky.nc")]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "bug: TypeError: unsupported operand (test_cli.py:" in error
+
+
+def test_every_command_explains_itself(capsys):
+    for command in ("simulate", "fit", "reproduce"):
+        assert cli.run([command, "--help"]) == 0
+        assert "--json" in capsys.readouterr().out
+
+
+def test_the_installed_program_runs():
+    program = Path(sys.executable).with_name("skyfit")
+    start = [str(program)] if program.exists() else [sys.executable, "-c", "from skyfit.cli import "
+             "main; main()"]  # fmt: skip
+    done = subprocess.run([*start, "fit", "--out", "f"], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr == "skyfit: Missing argument 'SKY'.\n"

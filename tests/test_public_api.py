@@ -1,0 +1,74 @@
+"""What the package promises by name."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import skyfit
+
+
+PUBLIC = {
+    "Atmosphere",
+    "Campaign",
+    "Constituent",
+    "PaperAtmosphere",
+    "SkyFit",
+    "cornell_skies",
+    "fit_sky",
+    "load_campaign",
+    "load_dataset",
+    "load_fit",
+    "preetham_atmosphere",
+    "preetham_sky",
+    "recovery_error",
+    "reproduce",
+    "run_campaign",
+    "save_dataset",
+    "shape_error",
+    "simulate",
+}
+MODULES = {"angles", "phase", "profile"}
+
+
+def test_public_names_change_only_on_purpose():
+    names = {name for name in dir(skyfit) if not name.startswith("_")}
+    things = {name for name in names if not isinstance(getattr(skyfit, name), ModuleType)}
+    assert things - {"TYPE_CHECKING", "Any", "import_module"} == PUBLIC
+    assert names >= MODULES
+
+
+def test_type_checkers_see_the_names_that_are_loaded_on_demand():
+    tree = ast.parse(Path(skyfit.__file__).read_text())
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    imports = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    assert {alias.asname for node in imports for alias in node.names} == PUBLIC | MODULES
+
+
+def test_an_unknown_name_is_refused_like_any_attribute():
+    with pytest.raises(AttributeError, match="no attribute 'sky_of_mars'"):
+        skyfit.sky_of_mars  # noqa: B018
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_every_public_name_is_documented(name):
+    assert getattr(skyfit, name).__doc__
+
+
+def test_importing_skyfit_loads_nothing_heavy():
+    heavy = "optimistix xarray matplotlib pydantic colour zarr rich"
+    code = (
+        "import sys, skyfit; skyfit.simulate; skyfit.preetham_sky; skyfit.Campaign\n"
+        f"print([name for name in {heavy.split()} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_importing_skyfit_leaves_the_precision_of_jax_alone():
+    code = "import jax, skyfit; skyfit.simulate; print(jax.config.jax_enable_x64)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
