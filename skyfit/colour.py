@@ -8,11 +8,11 @@ from functools import cache
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from ._typing import as_float
+from ._typing import ArrayLike, as_float, as_wavelengths
 from .constants import LUMINOUS_EFFICACY
-from .spectrum import daylight_basis, daylight_table, increasing_wavelengths, product_weights
+from .spectrum import daylight_basis, daylight_table, product_weights
 
 
 # ITU-R BT.709-6 / IEC 61966-2-1: chromaticities of the primaries and of the D65 white
@@ -51,7 +51,9 @@ def xyz_weights(wavelengths: ArrayLike) -> Float[Array, "wavelength 3"]:
     Raises:
         ValueError: Fewer than two wavelengths, or not increasing.
     """
-    lam = increasing_wavelengths(wavelengths, caller="xyz_weights")
+    lam = as_wavelengths(wavelengths, "xyz_weights(wavelengths=...)")
+    if lam.size < 2:
+        raise ValueError("xyz_weights(wavelengths=...): expected two or more; got one")
     nodes, curves = matching_functions()
     nodes, curves = jnp.asarray(nodes, lam.dtype), jnp.asarray(curves, lam.dtype)
     return LUMINOUS_EFFICACY * product_weights(lam, nodes, curves)

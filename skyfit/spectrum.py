@@ -9,38 +9,13 @@ from functools import cache
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from ._typing import Spectrum, as_float, check, falls_or_stays
+from ._typing import ArrayLike, Spectrum, as_float, check
 from .tables import read_table
 
 
 DAYLIGHT_RANGE = (300.0, 830.0)  # nm; CIE 015:2018, table 6
-
-
-def increasing_wavelengths(wavelengths: ArrayLike, *, caller: str) -> Spectrum:
-    """Check a wavelength grid.
-
-    Args:
-        wavelengths: Two or more, increasing [nm].
-        caller: Name of the function whose argument it is, for the message.
-
-    Returns:
-        The grid as an array.
-
-    Raises:
-        ValueError: Not one axis of two or more; not increasing; NaN.
-    """
-    lam = as_float(wavelengths)
-    if lam.ndim != 1 or lam.size < 2:
-        raise ValueError(
-            f"{caller}(wavelengths=...): expected one axis of two or more; got shape {lam.shape}"
-        )
-    return check(
-        lam,
-        lambda v: falls_or_stays(v) | ~(v > 0),
-        f"{caller}(wavelengths=...) must increase, in nm",
-    )
 
 
 @jax.jit

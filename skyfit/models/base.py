@@ -13,8 +13,9 @@ One policy holds for all fitted formulas:
 import abc
 
 import equinox as eqx
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
+from .._typing import ArrayLike
 from ..colour import daylight_radiance, xyY_to_xyz, xyz_to_rgb
 
 

@@ -8,9 +8,9 @@ import math
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
-from .._typing import as_float
+from .._typing import ArrayLike, as_float
 from ..angles import view_sun_angle
 from .base import AbstractSkyModel
 from .directions import align, angle_between, combine, components

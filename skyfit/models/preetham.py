@@ -3,9 +3,8 @@
 import warnings
 
 import numpy as np
-from jaxtyping import ArrayLike
 
-from .._typing import as_float, check, is_traced
+from .._typing import ArrayLike, as_float, check, is_traced
 from ..tables import read_table
 from .perez import CHANNELS, COEFFICIENTS, PerezSky
 from .zenith import CubicZenith, TangentZenith
