@@ -24,7 +24,7 @@ class AbstractPhaseFunction(eqx.Module):
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last (size 1 if grey)."""
 
     @abc.abstractmethod
-    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree; χ₀ = 1 and χ₁ is the mean cosine.
 
         p(Θ) = Σ (2l + 1) χ_l P_l(cos Θ) / 4π.
@@ -76,7 +76,7 @@ class Isotropic(AbstractPhaseFunction):
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
         return jnp.full((*cos_angle.shape, 1), 1 / (4 * np.pi), dtype=cos_angle.dtype)
 
-    def legendre(self, degree: int) -> Float[Array, "degree+1 1"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 1"]:
         """Legendre coefficients χ₀…χ_degree."""
         return as_float(np.eye(degree + 1, 1))
 
@@ -101,7 +101,7 @@ class Rayleigh(AbstractPhaseFunction):
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last."""
         return (3 / (16 * np.pi) * (1 + cos_angle**2))[..., None]
 
-    def legendre(self, degree: int) -> Float[Array, "degree+1 1"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 1"]:
         """Legendre coefficients χ₀…χ_degree: 1, 0, 1/10, 0, …."""
         chi = np.zeros((max(degree, 2) + 1, 1))
         chi[0], chi[2] = 1, 0.1
@@ -150,7 +150,7 @@ class HenyeyGreenstein(_Asymmetric):
         spread = (1 - g) ** 2 + 2 * g * (1 - mu)
         return (1 - g**2) / (4 * np.pi * spread * jnp.sqrt(spread))
 
-    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree: powers of g."""
         return _powers(self.g, degree)
 
@@ -174,7 +174,7 @@ class CornetteShanks(_Asymmetric):
         norm = 3 / (8 * np.pi) * (1 - g**2) / (2 + g**2)
         return norm * (1 + mu**2) / (spread * jnp.sqrt(spread))
 
-    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree, from those of Henyey & Greenstein's function.
 
         (1 + μ²) P_l expands in P_{l-2}, P_l and P_{l+2}; g^l stands for each P_l.
@@ -245,7 +245,7 @@ class Tabulated(AbstractPhaseFunction):
         log_value = (1 - share) * self.log_value[left] + share * self.log_value[left + 1]
         return jnp.exp(log_value)
 
-    def legendre(self, degree: int) -> Float[Array, "degree+1 #wavelength"]:
+    def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree, by Gauss quadrature between the table's angles."""
         theta, weight = _panel_nodes(self.angle, nodes_per_panel=max(12, degree))
         polynomials = legendre_polynomials(degree, jnp.cos(theta))
@@ -253,7 +253,9 @@ class Tabulated(AbstractPhaseFunction):
         return polynomials @ weighted
 
 
-def legendre_polynomials(degree: int, x: Float[Array, " point"]) -> Float[Array, "degree+1 point"]:
+def legendre_polynomials(
+    degree: int, x: Float[Array, " point"]
+) -> Float[Array, "{degree}+1 point"]:
     """Legendre polynomials P₀…P_degree at points in [-1, 1], by the three-term recurrence."""
     rows = [jnp.ones_like(x), x]
     for n in range(1, degree):
@@ -261,7 +263,7 @@ def legendre_polynomials(degree: int, x: Float[Array, " point"]) -> Float[Array,
     return jnp.stack(rows[: degree + 1])
 
 
-def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "degree+1 wavelength"]:
+def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "{degree}+1 wavelength"]:
     """1, g, g², … g^degree; by products, so that the derivative at g = 0 is finite."""
     first = jnp.ones((1, *g.shape), g.dtype)
     rest = jnp.broadcast_to(g, (degree, *g.shape))
