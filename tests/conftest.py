@@ -2,6 +2,7 @@
 
 import jax
 import matplotlib as mpl
+import pytest
 
 
 # The whole suite runs in float64, and a silent promotion or broadcast is an error.
@@ -10,3 +11,10 @@ jax.config.update("jax_numpy_dtype_promotion", "strict")
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
 mpl.use("Agg")
+
+
+@pytest.fixture
+def float32():
+    """A program that never switched float64 on."""
+    with jax.enable_x64(False):
+        yield
