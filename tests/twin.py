@@ -51,8 +51,8 @@ DOUBLE_FINE = Steps(
     ),
     distances=(2e3, 5e3, 1e4, 2e4, 4e4, 8e4, 1.6e5, 3.2e5, 6.4e5),
     nodes=4,
-    zeniths=32,
-    azimuths=40,
+    zeniths=20,
+    azimuths=24,
 )
 
 
