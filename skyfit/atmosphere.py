@@ -120,6 +120,11 @@ class Atmosphere(eqx.Module):
         values = jnp.stack([one.density(altitude) for one in self.constituents], axis=-1)
         return jnp.where((altitude <= self.top_altitude)[..., None], values, 0.0)
 
+    def knots(self) -> Float[Array, " knot"]:
+        """Altitudes where some density is not smooth, below the top [m]; in no order."""
+        every = jnp.concatenate([one.density.knots() for one in self.constituents])
+        return jnp.minimum(every, self.top_altitude)
+
     def vertical_column(self) -> Float[Array, " species"]:
         """Column of each constituent from the ground up [m at relative density 1]."""
         return jnp.stack([one.density.column(self.top_altitude) for one in self.constituents])
@@ -159,5 +164,5 @@ def _spectrum(value: ArrayLike, wavelengths: Spectrum, name: str) -> Spectrum:
 def _spectral_widths(one: Constituent):
     yield "scattering", one.scattering.size
     yield "absorption", one.absorption.size
-    shape = eqx.filter_eval_shape(one.phase.spectral, jax.ShapeDtypeStruct((), jnp.float32)).shape
+    shape = eqx.filter_eval_shape(one.phase.spectral, jax.ShapeDtypeStruct((), jnp.result_type(float))).shape
     yield "phase", shape[-1]

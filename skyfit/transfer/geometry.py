@@ -201,7 +201,11 @@ class Spherical(AbstractPlanet):
         # A ray that meets nothing is sent up from the top, where there is nothing left to see.
         entered = Ray(
             jnp.minimum(ray.altitude, self.top),
-            jnp.where(outside, jnp.where(meets, -safe_sqrt(discriminant) / (self.radius + self.top), 1.0), ray.mu),
+            jnp.where(
+                outside,
+                jnp.where(meets, -safe_sqrt(discriminant) / (self.radius + self.top), 1.0),
+                ray.mu,
+            ),
             jnp.where(outside, jnp.where(meets, self.sine_at_level(ray, self.top), 0.0), ray.sine),
         )
         return entered, turned, ~outside | meets
@@ -242,7 +246,7 @@ class Flat(AbstractPlanet):
         return jnp.abs(mu) + 0 * level
 
     def to_level(self, altitude, mu, level):  # noqa: D102
-        return jnp.zeros_like(level)  # nothing turns on the way, whatever its length
+        return (level - altitude) / jnp.maximum(mu, 1e-9)
 
     def sine_at_level(self, ray, level):  # noqa: D102
         return ray.sine + 0 * level

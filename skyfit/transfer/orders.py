@@ -5,20 +5,20 @@ spectral weights (transmittance, density) are separate factors; a gather is matr
 two with the moments of the field.
 """
 
-from functools import partial
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
+from .._typing import Scalar
 from ..atmosphere import Atmosphere
-from .field import Field, Grid, panels, project
+from .fan import make_fan
+from .field import Field, Grid, project
 from .geometry import AbstractPlanet, Ray, SunDirection
 from .harmonics import cosines, legendre
-from .paths import Kind, Leg, legs, sample, sight
-from .quadrature import lagrange_weights, safe_sqrt
+from .paths import Kind, Leg, column_along, legs, sample, sight
+from .quadrature import lagrange_weights
 from .quality import Quality
 
 
@@ -49,6 +49,66 @@ def scatter(atmosphere: Atmosphere, field: Field) -> Source:
     return Source(tuple(sources), ground)
 
 
+def send(
+    atmosphere: Atmosphere,
+    planet: AbstractPlanet,
+    grid: Grid,
+    source: Source,
+    ray: Ray,
+    leg: Leg,
+    start: Scalar,
+    offset: Float[Array, " species"],
+    to_ground: Float[Array, " species"],
+    strikes: Bool[Array, ""],
+    sun: SunDirection,
+    nodes: int,
+) -> Float[Array, "*out wavelength"]:
+    """Light that a source sends along one leg of a ray, under one or many suns.
+
+    Args:
+        atmosphere: What attenuates on the way.
+        planet: Its shape.
+        grid: Where the source is known.
+        source: See `scatter`.
+        ray: The line of sight, from inside the atmosphere.
+        leg: One of its legs.
+        start: Where the leg begins to matter, from its lowest point [m].
+        offset: Column between the eye and the leg's nearer end [m].
+        to_ground: Column between the eye and the ground [m].
+        strikes: Whether the leg ends at the ground, which then shines through.
+        sun: As seen from the eye, in the frame of the ray; any shape.
+        nodes: On the leg.
+
+    Returns:
+        Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
+    """
+    extinction = atmosphere.extinction
+    order = max(part.shape[1] for part in source.scattered) - 1
+    path = sample(atmosphere, planet, leg, start, leg.length, nodes)
+    arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
+    near = lagrange_weights(grid.altitude, path.altitude)
+    crossing = leg.sign * planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
+    sine = planet.sine_at_level(ray, grid.altitude)
+    harmonics = legendre(order, order, crossing, sine)
+    levels, suns, wavelengths = crossing.size, *source.ground.shape
+    sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
+    for number, part in enumerate(source.scattered):
+        weight = jnp.einsum("n,nw,nk->kw", path.weight[:, number], arriving, near)
+        top = part.shape[1]
+        here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:top, :top], part)
+        sent = sent.at[:, :top].add(weight[:, None, None, :] * here)
+    through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
+    sent = sent.at[0, 0].add(through[None, :] * source.ground)
+    turn = planet.turn_sun
+    for _ in sun.up.shape:
+        turn = jax.vmap(turn, in_axes=(0, None, None))
+    distance = leg.from_eye(planet.to_level(leg.altitude, leg.mu, grid.altitude))
+    there = turn(sun, ray, distance)
+    modes = cosines(order, there.cos_azimuth())
+    between = lagrange_weights(grid.sun_zenith, there.zenith())
+    return jnp.einsum("m...k,...ks,kmsw->...w", modes, between, sent, optimize="optimal")
+
+
 def gather(
     atmosphere: Atmosphere,
     planet: AbstractPlanet,
@@ -58,69 +118,28 @@ def gather(
     sun: SunDirection,
     *,
     kind: Kind,
-    quality: Quality,
+    nodes: int,
 ) -> Float[Array, "*out wavelength"]:
-    """Light that a source sends along one ray, under one or many suns.
-
-    Args:
-        atmosphere: What attenuates on the way.
-        planet: Its shape.
-        grid: Where the source is known.
-        source: See `scatter`.
-        ray: The line of sight, from inside the atmosphere.
-        sun: As seen from the eye, in the frame of the ray; any shape.
-        kind: Which legs the ray has.
-        quality: Sizes.
-
-    Returns:
-        Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
-    """
-    extinction = atmosphere.extinction
-    farthest, _ = sight(extinction)
+    """Light that a source sends along one line of sight; arguments as for `send`."""
+    farthest, _ = sight(atmosphere.extinction)
     falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest, kind)
-    order = max(part.shape[1] for part in source.scattered) - 1
-
-    turn = planet.turn_sun
-    for _ in sun.up.shape:
-        turn = jax.vmap(turn, in_axes=(0, None, None))
-
-    def from_leg(leg: Leg, start, offset, ground):
-        path = sample(
-            atmosphere, planet, leg, start, leg.length, quality.field_nodes, quality.density_nodes
-        )
-        to_eye = path.to_eye(leg, offset)
-        arriving = jnp.exp(-to_eye @ extinction)
-        near = lagrange_weights(grid.altitude, path.altitude)
-        sign = 1.0 if leg.rising else -1.0
-        crossing = sign * planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
-        distance = leg.from_eye(planet.to_level(leg.altitude, leg.mu, grid.altitude))
-        harmonics = legendre(order, order, crossing, planet.sine_at_level(ray, grid.altitude))
-        sent = jnp.zeros((*harmonics.shape[::2], *source.ground.shape), arriving.dtype)
-        sent = jnp.moveaxis(sent, 1, 0)  # [level, m, sun, wavelength]
-        for number, part in enumerate(source.scattered):
-            weight = jnp.einsum("n,nw,nk->kw", path.weight[:, number], arriving, near)
-            top = part.shape[1]
-            here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:top, :top], part)
-            sent = sent.at[:, :top].add(weight[:, None, None, :] * here)
-        if ground is not None:
-            sent = sent.at[0, 0].add(ground[None, :] * source.ground)
-        there = turn(sun, ray, distance)
-        modes = cosines(order, there.cos_azimuth())
-        between = lagrange_weights(grid.sun_zenith, there.zenith())
-        return jnp.einsum("m...k,...ks,kmsw->...w", modes, between, sent, optimize="optimal")
-
     light = 0.0
-    before = jnp.zeros_like(extinction[:, 0])
+    before = jnp.zeros_like(atmosphere.extinction[:, 0])
     if falling is not None:
         start = jnp.maximum(falling.length - farthest, 0.0)
-        whole = sample(
-            atmosphere, planet, falling, start, falling.length, 2, quality.density_nodes
-        ).total
-        ground = jnp.where(strikes, jnp.exp(-whole @ extinction), 0.0)
-        light = from_leg(falling, start, before, ground)
-        before = whole
+        column = column_along(atmosphere, planet, falling, start, falling.length)
+        light = send(
+            atmosphere, planet, grid, source, ray, falling, start, before, column, strikes, sun,
+            nodes,
+        )  # fmt: skip
+        before = column
     if rising is not None:
-        light = light + from_leg(rising, jnp.zeros_like(rising.length), before, None)
+        start = jnp.zeros_like(rising.length)
+        missed = jnp.zeros_like(strikes)
+        light = light + send(
+            atmosphere, planet, grid, source, ray, rising, start, before, before, missed, sun,
+            nodes,
+        )  # fmt: skip
     return light
 
 
@@ -133,16 +152,21 @@ def next_field(
 
     def at_level(level):
         altitude, mu, weight = level
+        fan = make_fan(atmosphere, planet, altitude, mu, quality)
+        falls = fan.to_ground.shape[0]
+        others = fan.offset.shape[0] - falls
+        to_ground = jnp.concatenate([jnp.zeros_like(fan.offset[:others]), fan.to_ground])
+        strikes = jnp.arange(others + falls) >= others
 
-        def along(kind, ray_mu):
-            ray = Ray(altitude, ray_mu, safe_sqrt(1 - ray_mu**2))
-            return gather(atmosphere, planet, grid, source, ray, suns, kind=kind, quality=quality)
+        def along(ray, leg, start, offset, column, strikes):
+            return send(
+                atmosphere, planet, grid, source, ray, leg, start, offset, column, strikes, suns,
+                quality.field_nodes,
+            )  # fmt: skip
 
-        light = [
-            jax.vmap(partial(along, kind))(mu[part]) for kind, part in panels(planet, quality)
-        ]
-        return project(grid, mu, weight, jnp.concatenate(light), quality.degree)
+        light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
+        light = fan.collect(light, jnp.zeros_like(light[:falls]))
+        return project(grid, mu, weight, light, quality.degree)
 
     moments, irradiance = jax.lax.map(at_level, (grid.altitude, grid.mu, grid.weight))
     return Field(moments, irradiance[0])
-

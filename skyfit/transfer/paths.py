@@ -8,17 +8,19 @@ beyond; distances on a leg are counted outwards from that point, where the air i
 nodes lie closest.
 """
 
+from functools import partial
 from typing import Literal
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Spherical
-from .quadrature import gauss, product_rule, running_integral
+from .quadrature import gauss, legendre_moments, polynomial_fit
 
 
 Kind = Literal["rising", "falling", "limb", "any"]
@@ -33,18 +35,18 @@ class Leg(eqx.Module):
         mu: Cosine of the zenith angle there, looking along the leg, 0 or more.
         length: From the lowest point to the end [m]; 0 if the ray has no such leg.
         low_distance: From the eye to the lowest point [m].
-        rising: Whether the leg leads away from the eye.
+        sign: 1 if the leg leads away from the eye, -1 if towards it.
     """
 
     altitude: Scalar
     mu: Scalar
     length: Scalar
     low_distance: Scalar
-    rising: bool = eqx.field(static=True)
+    sign: Scalar
 
     def from_eye(self, outwards: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """Distance from the eye to points at distances from the lowest point [m]."""
-        return self.low_distance + outwards if self.rising else self.low_distance - outwards
+        return self.low_distance + self.sign * outwards
 
 
 class Path(eqx.Module):
@@ -66,7 +68,7 @@ class Path(eqx.Module):
 
     def to_eye(self, leg: Leg, offset: Float[Array, " species"]) -> Float[Array, "node species"]:
         """Columns between nodes and eye, given that from the eye to the stretch's nearer end."""
-        nearer = self.column if leg.rising else self.total[None, :] - self.column
+        nearer = jnp.where(leg.sign > 0, self.column, self.total[None, :] - self.column)
         return offset[None, :] + nearer
 
 
@@ -104,7 +106,7 @@ def legs(
     none = jnp.zeros_like(altitude)
     if kind == "rising":
         length = jnp.minimum(planet.to_top(altitude, mu), farthest)
-        return None, Leg(altitude, mu, length, none, rising=True), jnp.asarray(False)
+        return None, Leg(altitude, mu, length, none, none + 1), jnp.asarray(False)
     falls = jnp.asarray(kind in ("falling", "limb")) | (mu < 0)
     strikes = jnp.asarray(kind == "falling") | (mu < planet.horizon(altitude))
     strikes = strikes & jnp.asarray(kind != "limb")
@@ -118,11 +120,11 @@ def legs(
         low = jnp.where(strikes, 0.0, jnp.where(falls, lowest, altitude))
     ground_mu = planet.mu_at_level(altitude, mu, none)
     low_mu = jnp.where(strikes, ground_mu, jnp.where(falls, 0.0, mu))
-    falling = Leg(low, low_mu, low_distance, low_distance, rising=False)
+    falling = Leg(low, low_mu, low_distance, low_distance, none - 1)
     if kind == "falling":
         return falling, None, strikes
     to_top = jnp.minimum(planet.to_top(low, jnp.where(strikes, 1.0, low_mu)), farthest)
-    rising = Leg(low, low_mu, jnp.where(strikes, 0.0, to_top), low_distance, rising=True)
+    rising = Leg(low, low_mu, jnp.where(strikes, 0.0, to_top), low_distance, none + 1)
     return falling, rising, strikes
 
 
@@ -133,50 +135,76 @@ def sample(
     start: Scalar,
     end: Scalar,
     nodes: int,
-    fine: int,
 ) -> Path:
     """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
 
     Nodes thin out exponentially away from the lowest point, and on a falling leg from the eye too:
-    from the distance over which light fades to the whole stretch. The density is looked at on
-    `fine` nodes and enters through a product rule, so that its kinks cost nothing in the
-    wavelengths' sums.
+    from the distance over which light fades to the whole stretch. Between them, and cut where the
+    density has a kink, three Gauss nodes a piece look at the density alone: it is rough but cheap,
+    what it multiplies is smooth but has a spectrum. The weights integrate the polynomial through
+    the nodes times the density.
     """
     span = end - start
-    fading = sight(atmosphere.extinction)[1]
-    steepness = jnp.log1p(jnp.maximum(50.0, span / fading))
+    safe_span = jnp.where(span > 0, span, 1.0)
+    steepness = jnp.log1p(jnp.maximum(50.0, span / sight(atmosphere.extinction)[1]))
+    far, half = jnp.expm1(steepness), jnp.tanh(0.5 * steepness)
+    rises = leg.sign > 0
 
-    def place(count):
-        x = jnp.asarray(gauss(count)[0], span.dtype)
-        if leg.rising:
-            share = jnp.expm1(steepness * x) / jnp.expm1(steepness)
-            slope = steepness * jnp.exp(steepness * x) / jnp.expm1(steepness)
-        else:
-            bend = jnp.tanh(steepness * (x - 0.5))
-            share = 0.5 * (1 + bend / jnp.tanh(0.5 * steepness))
-            slope = 0.5 * steepness * (1 - bend**2) / jnp.tanh(0.5 * steepness)
-        outwards = start + span * share
-        return outwards, planet.advance(leg.altitude, leg.mu, outwards)[0], span * slope
+    def place(x):
+        """Distance outwards and its slope at x in [0, 1]."""
+        bend = jnp.tanh(steepness * (x - 0.5))
+        share = jnp.where(rises, jnp.expm1(steepness * x) / far, 0.5 * (1 + bend / half))
+        slope = jnp.where(rises, jnp.exp(steepness * x) / far, 0.5 * (1 - bend**2) / half)
+        return start + span * share, span * steepness * slope
 
-    _, altitude_fine, step = place(fine)
-    density = atmosphere.density(altitude_fine) * step[:, None]
-    rule = jnp.asarray(product_rule(nodes, fine), density.dtype)
-    running = jnp.asarray(running_integral(nodes, fine), density.dtype)
-    total = jnp.asarray(gauss(fine)[1], density.dtype) @ density
-    outwards, altitude, _ = place(nodes)
-    return Path(leg.from_eye(outwards), altitude, rule @ density, running @ density, total)
+    def undo(outwards):
+        share = jnp.clip((outwards - start) / safe_span, 0.0, 1.0)
+        rising = jnp.log1p(share * far) / steepness
+        falling = 0.5 + jnp.arctanh((2 * share - 1) * half) / steepness
+        return jnp.where(rises, rising, falling)
+
+    x = jnp.asarray(gauss(nodes)[0], span.dtype)
+    kinks = undo(planet.to_level(leg.altitude, leg.mu, atmosphere.knots()))
+    ends = jnp.asarray([0.0, 1.0], x.dtype)
+    edges = jnp.sort(jnp.concatenate([ends, x, kinks]))
+    fine, piece = _in_panels(edges, 3)
+    at, slope = place(fine.ravel())
+    altitude = planet.advance(leg.altitude, leg.mu, at)[0]
+    density = atmosphere.density(altitude) * (slope * piece.ravel())[:, None]
+    moments = legendre_moments(nodes, fine.ravel(), density)
+    weight = jnp.asarray(polynomial_fit(nodes), density.dtype) @ moments
+    panels = jnp.sum(density.reshape(*fine.shape, -1), axis=1)
+    running = jnp.cumsum(panels, axis=0)
+    # Below node j lie the end at 0, the nodes before it and the kinks before it.
+    before = jnp.arange(nodes) + jnp.sum(kinks[None, :] < x[:, None], axis=1)
+    outwards, _ = place(x)
+    low = planet.advance(leg.altitude, leg.mu, outwards)[0]
+    return Path(leg.from_eye(outwards), low, weight, running[before], running[-1])
 
 
 def column_along(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
-    leg: Leg,
-    start: Scalar,
-    end: Scalar,
-    fine: int,
+    atmosphere: Atmosphere, planet: AbstractPlanet, leg: Leg, start: Scalar, end: Scalar
 ) -> Float[Array, " species"]:
     """Column between two distances from a leg's lowest point [m]."""
-    return sample(atmosphere, planet, leg, start, end, 2, fine).total
+    crossings = planet.to_level(leg.altitude, leg.mu, _shells(atmosphere))
+    edges = jnp.concatenate([start[None], jnp.clip(crossings, start, end), end[None]])
+    at, piece = _in_panels(edges, 3)
+    altitude = planet.advance(leg.altitude, leg.mu, at.ravel())[0]
+    return piece.ravel() @ atmosphere.density(altitude)
+
+
+def _shells(atmosphere: Atmosphere) -> Float[Array, " shell"]:
+    """Altitudes between which densities are smooth and change by no more than a few times [m]."""
+    share = np.expm1(6 * np.linspace(0, 1, 20)) / np.expm1(6)
+    base = atmosphere.top_altitude * jnp.asarray(share, atmosphere.top_altitude.dtype)
+    return jnp.sort(jnp.concatenate([base, atmosphere.knots()]))
+
+
+def _in_panels(edges: Float[Array, " edge"], count: int):
+    """Gauss nodes and weights between neighbouring edges; [panel, node] each."""
+    x, w = (jnp.asarray(a, edges.dtype)[None, :] for a in gauss(count))
+    width = jnp.diff(edges)[:, None]
+    return edges[:-1, None] + width * x, width * w
 
 
 class SunColumns(eqx.Module):
@@ -212,22 +240,24 @@ class SunColumns(eqx.Module):
 
 
 def sun_columns(
-    atmosphere: Atmosphere, planet: AbstractPlanet, altitudes: int, angles: int, fine: int
+    atmosphere: Atmosphere, planet: AbstractPlanet, altitudes: int, angles: int
 ) -> SunColumns:
     """Tabulate the columns towards the sun."""
     share = _unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
     altitude = planet.top * share
 
     def one(h, mu):
-        falling, rising, _ = legs(planet, h, mu, jnp.inf * jnp.ones_like(h), "limb")
+        none = jnp.zeros_like(h)
+        falling, rising, _ = legs(planet, h, mu, none + jnp.inf, "limb")
         assert falling is not None
         assert rising is not None
-        below = jnp.where(mu < 0, 1.0, 0.0)
-        up = Leg(h, mu, planet.to_top(h, jnp.maximum(mu, 0.0)), 0 * h, rising=True)
-        leg = jax.tree.map(lambda a, b: jnp.where(mu < 0, a, b), rising, up)
-        beyond = column_along(atmosphere, planet, leg, 0 * h, leg.length, fine)
-        dip = column_along(atmosphere, planet, falling, 0 * h, below * falling.length, fine)
-        return beyond + dip
+        # A ray that does not fall has its lowest point here.
+        up = Leg(h, mu, planet.to_top(h, jnp.maximum(mu, 0.0)), none, none + 1)
+        falls = mu < 0
+        leg = jax.tree.map(partial(jnp.where, falls), rising, up)
+        dip = jnp.where(falls, falling.length, 0.0)
+        out = column_along(atmosphere, planet, leg, none, leg.length)
+        return out + column_along(atmosphere, planet, leg, none, dip)
 
     over_angles = jax.vmap(one, in_axes=(None, 0))
     if isinstance(planet, Spherical):
@@ -245,7 +275,7 @@ _OFFSET = 1e-3  # of the square-root coordinates; it keeps their slope at 0 fini
 def _stretch(share):
     """Square root of a share in [0, 1], offset and rescaled to [0, 1]."""
     share = jnp.maximum(share, 0.0)
-    return (jnp.sqrt(share * (1 + 2 * _OFFSET) + _OFFSET**2) - _OFFSET)
+    return jnp.sqrt(share * (1 + 2 * _OFFSET) + _OFFSET**2) - _OFFSET
 
 
 def _unstretch(x):

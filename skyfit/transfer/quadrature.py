@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -21,29 +22,31 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def product_rule(nodes: int, fine: int) -> np.ndarray:
-    """Weights that integrate smooth × rough on [0, 1]; [node, fine].
+def polynomial_fit(count: int) -> np.ndarray:
+    """From moments of a function with P_n to weights on its values at Gauss nodes; [node, degree].
 
-    The smooth factor is known at `nodes` Gauss nodes and interpolated by its polynomial; the
-    rough one is known at `fine` Gauss nodes. ∫ s(x) r(x) dx = Σ s_j W_jf r_f.
+    P_n are Legendre polynomials shifted to [0, 1]. If s is known at the nodes, its interpolating
+    polynomial has ∫ s r = Σ_j s_j Σ_n fit_jn ∫ P_n r for any r.
     """
-    x, w = gauss(nodes)
-    x_fine, w_fine = gauss(fine)
-    return (_legendre(nodes, x).T * _norms(nodes)) @ _legendre(nodes, x_fine) * w[:, None] * w_fine
+    x, w = gauss(count)
+    values = np.polynomial.legendre.legvander(2 * x - 1, count - 1)
+    return w[:, None] * values * (2 * np.arange(count) + 1)
 
 
-@cache
-def running_integral(nodes: int, fine: int) -> np.ndarray:
-    """Weights of ∫₀ˣ r at Gauss nodes x, for r known at `fine` Gauss nodes; [node, fine]."""
-    x, _ = gauss(nodes)
-    x_fine, w_fine = gauss(fine)
-    # ∫ P_n over [0, x] in the shifted variable: (P_{n+1} - P_{n-1}) / (2 (2n + 1)); n = 0 gives x.
-    values = _legendre(fine + 1, x)
-    integral = np.empty((fine, nodes))
-    integral[0] = x
-    n = np.arange(1, fine)[:, None]
-    integral[1:] = (values[2:] - values[:-2]) / (2 * (2 * n + 1))
-    return (integral.T * _norms(fine)) @ _legendre(fine, x_fine) * w_fine
+def legendre_moments(
+    count: int, x: Float[Array, " point"], weighted: Float[Array, "point species"]
+) -> Float[Array, "degree species"]:
+    """Σ P_n(x) weighted, for shifted Legendre polynomials of degree below `count`."""
+    y = (2 * x - 1)[:, None]
+
+    def step(carry, n):
+        before, here = carry
+        after = ((2 * n + 1) * y * here - n * before) / (n + 1)
+        return (here, after), jnp.sum(here, axis=0)
+
+    # The recurrence is linear, so it may carry the weighted values themselves.
+    start = (jnp.zeros_like(weighted), weighted)
+    return jax.lax.scan(step, start, jnp.arange(count, dtype=x.dtype))[1]
 
 
 def lagrange_weights(
@@ -72,13 +75,3 @@ def lagrange_weights(
             jnp.arange(count).reshape(column) == (first + k)[..., None], weight[..., None], 0.0
         )
     return dense
-
-
-def _legendre(count: int, x: np.ndarray) -> np.ndarray:
-    """Legendre polynomials shifted to [0, 1]; [degree, point]."""
-    return np.polynomial.legendre.legvander(2 * x - 1, count - 1).T
-
-
-def _norms(count: int) -> np.ndarray:
-    """1 / ∫ P_n² over [0, 1]."""
-    return 2 * np.arange(count) + 1.0

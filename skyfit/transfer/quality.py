@@ -8,7 +8,6 @@ class Quality(NamedTuple):
 
     Attributes:
         view_nodes: Light along a line of sight, each lit stretch.
-        density_nodes: Density along any ray: rough, and cheap since free of wavelength and sun.
         column_altitudes: Table of columns towards the sun.
         column_angles: The same, in the sun's zenith angle.
         levels: Altitudes at which the light field is kept for the higher orders.
@@ -24,7 +23,6 @@ class Quality(NamedTuple):
     """
 
     view_nodes: int
-    density_nodes: int
     column_altitudes: int
     column_angles: int
     levels: int
@@ -40,9 +38,7 @@ class Quality(NamedTuple):
 
 
 QUALITIES = {
-    "draft": Quality(32, 48, 96, 48, 10, 12, 10, 4, 6, 16, 3, 14, (-3.0, 0.0, 3.0), 5),
-    "default": Quality(48, 96, 128, 64, 16, 20, 16, 6, 10, 28, 4, 26, (-3.0, 0.0, 3.0), 8),
-    "high": Quality(
-        64, 160, 192, 96, 24, 28, 24, 8, 16, 48, 6, 44, (-8.0, -3.0, 0.0, 3.0, 8.0), 12
-    ),
+    "draft": Quality(24, 96, 32, 10, 12, 10, 4, 6, 16, 3, 14, (-3.0, 0.0, 3.0), 5),
+    "default": Quality(32, 192, 48, 16, 20, 16, 6, 10, 28, 4, 26, (-3.0, 0.0, 3.0), 8),
+    "high": Quality(48, 384, 64, 24, 28, 24, 8, 16, 48, 6, 44, (-8.0, -3.0, 0.0, 3.0, 8.0), 12),
 }

@@ -114,9 +114,7 @@ def _simulate(
     """Every order, for every sun in turn."""
     radius, top = atmosphere.planet_radius, atmosphere.top_altitude
     planet = Flat(top) if flat else Spherical(radius, top)
-    columns = sun_columns(
-        atmosphere, planet, quality.column_altitudes, quality.column_angles, quality.density_nodes
-    )
+    columns = sun_columns(atmosphere, planet, quality.column_altitudes, quality.column_angles)
 
     def under_one_sun(view: Views):
         eyes = _eyes(planet, view, kind)
@@ -133,8 +131,9 @@ def _simulate(
 
             def along(ray, sun, meets):
                 light = gather(
-                    atmosphere, planet, grid, source, ray, sun, kind=kind, quality=quality
-                )
+                    atmosphere, planet, grid, source, ray, sun,
+                    kind=kind, nodes=quality.field_nodes,
+                )  # fmt: skip
                 return jnp.where(meets, light, 0.0)
 
             return jax.vmap(along)(*eyes)
@@ -185,7 +184,7 @@ def _first(
         def under(sun):
             return first_order(
                 atmosphere, planet, columns, ray, sun,
-                kind=kind, nodes=quality.view_nodes, fine=quality.density_nodes, split=split,
+                kind=kind, nodes=quality.view_nodes, split=split,
             )  # fmt: skip
 
         strength, ground = jax.vmap(under)(suns)
@@ -221,13 +220,18 @@ def _known(values: Float[Array, "..."], test) -> bool:
 def _checked(value: ArrayLike, name: str, what: str, low=-np.inf, high=np.inf):
     values = as_float(value)
     slack = 1e-6 * (high < np.inf)  # rad: float32's π is larger than π
-    bad = ~((values >= low) & (values <= high + slack) & jnp.isfinite(values))
-    return check(values, bad, f"simulate({name}=...) {what}")
+    return check(
+        values,
+        lambda v: ~((v >= low) & (v <= high + slack) & (abs(v) < np.inf)),
+        f"simulate({name}=...) {what}",
+    )
 
 
 def _sizes(orders: int | None, geometry: str, quality: str | Quality) -> Quality:
     if orders is not None and (not isinstance(orders, int) or orders < 1):
-        raise ValueError(f"simulate(orders=...): expected 1 or more, or None for all; got {orders!r}")
+        raise ValueError(
+            f"simulate(orders=...): expected 1 or more, or None for all; got {orders!r}"
+        )
     if geometry not in ("spherical", "flat", "paper"):
         raise ValueError(
             f"simulate(geometry=...): expected 'spherical', 'flat' or 'paper'; got {geometry!r}"

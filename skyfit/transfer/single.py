@@ -7,6 +7,7 @@ outside since the angle γ to the sun is the same all along a straight ray.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Ray, SunDirection
 from .paths import Kind, Leg, SunColumns, column_along, legs, sample, sight
@@ -25,6 +26,56 @@ def sunlight_at(
     return jnp.where(lit[..., None], light, 0.0)
 
 
+def along_leg(
+    atmosphere: Atmosphere,
+    planet: AbstractPlanet,
+    columns: SunColumns,
+    ray: Ray,
+    leg: Leg,
+    stretch: tuple[Scalar, Scalar],
+    offset: Float[Array, " species"],
+    sun: SunDirection,
+    nodes: int,
+) -> Float[Array, "species wavelength"]:
+    """First-order light from a stretch of one leg of a ray, under one sun.
+
+    Args:
+        atmosphere: What scatters and absorbs.
+        planet: Its shape.
+        columns: Towards the sun.
+        ray: The line of sight, from inside the atmosphere.
+        leg: One of its legs.
+        stretch: Distances of its ends from the leg's lowest point [m].
+        offset: Column between the eye and the stretch's nearer end [m].
+        sun: As seen from the eye, in the frame of the ray.
+        nodes: On the stretch.
+
+    Returns:
+        What the phase functions multiply, scattering coefficient included; per unit irradiance.
+    """
+    path = sample(atmosphere, planet, leg, *stretch, nodes)
+    here = planet.turn_sun(sun, ray, path.distance)
+    to_eye = path.to_eye(leg, offset)
+    light = sunlight_at(atmosphere.extinction, columns, path.altitude, here.up, to_eye)
+    return (path.weight.T @ light) * atmosphere.scattering
+
+
+def from_ground(
+    atmosphere: Atmosphere,
+    planet: AbstractPlanet,
+    columns: SunColumns,
+    ray: Ray,
+    distance: Scalar,
+    to_ground: Float[Array, " species"],
+    sun: SunDirection,
+) -> Float[Array, " wavelength"]:
+    """Radiance of the sunlit ground as it arrives, per unit of solar irradiance [sr⁻¹]."""
+    below = planet.turn_sun(sun, ray, distance)
+    altitude = jnp.zeros_like(ray.mu)
+    light = sunlight_at(atmosphere.extinction, columns, altitude, below.up, to_ground)
+    return atmosphere.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
+
+
 def first_order(
     atmosphere: Atmosphere,
     planet: AbstractPlanet,
@@ -34,10 +85,9 @@ def first_order(
     *,
     kind: Kind,
     nodes: int,
-    fine: int,
     split: bool,
 ) -> tuple[Float[Array, "species wavelength"], Float[Array, " wavelength"]]:
-    """First-order light along one ray under one sun, per unit of solar irradiance.
+    """First-order light along one line of sight under one sun, per unit of solar irradiance.
 
     Args:
         atmosphere: What scatters and absorbs.
@@ -46,8 +96,7 @@ def first_order(
         ray: The line of sight, from inside the atmosphere.
         sun: As seen from the eye, in the frame of the ray.
         kind: Which legs the ray has.
-        nodes: On each stretch, for light.
-        fine: The same, for density.
+        nodes: On each stretch.
         split: Cut the ray where it enters and leaves the planet's shadow. Without, nodes in the
             shadow are dark, and its edge is found only to their distance.
 
@@ -55,45 +104,37 @@ def first_order(
         What the phase functions multiply, scattering coefficient included [species, wavelength];
         radiance of the ground as it arrives [sr⁻¹].
     """
-    extinction = atmosphere.extinction
-    farthest, _ = sight(extinction)
+    farthest, _ = sight(atmosphere.extinction)
     falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest, kind)
 
-    def light_from(leg: Leg, start, end, offset):
-        """Light from one stretch; `offset` is the column from the eye to its nearer end."""
-        path = sample(atmosphere, planet, leg, start, end, nodes, fine)
-        to_eye = path.to_eye(leg, offset)
-        here = planet.turn_sun(sun, ray, path.distance)
-        light = sunlight_at(extinction, columns, path.altitude, here.up, to_eye)
-        return jnp.einsum("ns,nw->sw", path.weight, light)
-
     def light_of(leg: Leg, start, offset):
-        """Light from a whole leg, or from its lit stretches."""
-        if not split:
-            return light_from(leg, start, leg.length, offset)
-        enter, leave = planet.shadow(sun, ray)
-        sign = 1.0 if leg.rising else -1.0
-        a, b = (jnp.clip(sign * (t - leg.low_distance), start, leg.length) for t in (enter, leave))
-        low, high = jnp.minimum(a, b), jnp.maximum(a, b)
-        if leg.rising:
-            near = offset
-            far = offset + column_along(atmosphere, planet, leg, start, high, fine)
-        else:
-            near = offset + column_along(atmosphere, planet, leg, low, leg.length, fine)
-            far = offset
-        return light_from(leg, start, low, near) + light_from(leg, high, leg.length, far)
+        def light_from(low, high, column):
+            return along_leg(atmosphere, planet, columns, ray, leg, (low, high), column, sun, nodes)
 
-    scattered = jnp.zeros_like(extinction)
-    ground = jnp.zeros_like(extinction[0])
-    before = jnp.zeros_like(extinction[:, 0])
+        if not split:
+            return light_from(start, leg.length, offset)
+        a, b = (
+            jnp.clip(leg.sign * (t - leg.low_distance), start, leg.length)
+            for t in planet.shadow(sun, ray)
+        )
+        low, high = jnp.minimum(a, b), jnp.maximum(a, b)
+        # The far stretch of a rising leg is seen through all below it; of a falling one, directly.
+        inner = column_along(atmosphere, planet, leg, start, high)
+        outer = column_along(atmosphere, planet, leg, low, leg.length)
+        rises = leg.sign > 0
+        near = offset + jnp.where(rises, 0.0, outer)
+        far = offset + jnp.where(rises, inner, 0.0)
+        return light_from(start, low, near) + light_from(high, leg.length, far)
+
+    scattered = jnp.zeros_like(atmosphere.extinction)
+    ground = jnp.zeros_like(scattered[0])
+    before = jnp.zeros_like(scattered[:, 0])
     if falling is not None:
         start = jnp.maximum(falling.length - farthest, 0.0)
         scattered = scattered + light_of(falling, start, before)
-        before = column_along(atmosphere, planet, falling, start, falling.length, fine)
-        below = planet.turn_sun(sun, ray, falling.low_distance)
-        light = sunlight_at(extinction, columns, jnp.zeros_like(ray.mu), below.up, before)
-        reflected = atmosphere.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
+        before = column_along(atmosphere, planet, falling, start, falling.length)
+        reflected = from_ground(atmosphere, planet, columns, ray, falling.low_distance, before, sun)
         ground = jnp.where(strikes, reflected, 0.0)
     if rising is not None:
         scattered = scattered + light_of(rising, jnp.zeros_like(rising.length), before)
-    return scattered * atmosphere.scattering, ground
+    return scattered, ground
