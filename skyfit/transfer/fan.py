@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Flat, Ray
-from .paths import Leg, column_along, legs, sight
+from .paths import Leg, column_along, ground_leg, limb_legs, rising_leg, sight
 from .quadrature import safe_sqrt
 from .quality import Quality
 
@@ -65,20 +65,15 @@ def make_fan(
     up = quality.up
     limb = 0 if isinstance(planet, Flat) else quality.limb
 
-    def cut(kind, part):
-        falling, rising, _ = jax.vmap(lambda m: legs(planet, altitude, m, farthest, kind))(part)
-        return falling, rising
-
-    _, rising = cut("rising", mu[:up])
-    limb_falling, limb_rising = cut("limb", mu[up : up + limb]) if limb else (None, None)
-    falling, _ = cut("falling", mu[up + limb :])
+    rising = jax.vmap(lambda m: rising_leg(planet, altitude, m, farthest))(mu[:up])
+    falling = jax.vmap(lambda m: ground_leg(planet, altitude, m))(mu[up + limb :])
     join = partial(jax.tree.map, lambda *parts: jnp.concatenate(parts))
-    all_falling = falling if limb_falling is None else join(limb_falling, falling)
-    start = jnp.maximum(all_falling.length - farthest, 0.0)
-    column = jax.vmap(partial(column_along, atmosphere, planet))(
-        all_falling, start, all_falling.length
-    )
-    leg = join(*(part for part in (rising, limb_rising, all_falling) if part is not None))
+    if limb:
+        down, out = jax.vmap(lambda m: limb_legs(planet, altitude, m, farthest))(mu[up : up + limb])
+        rising, falling = join(rising, out), join(down, falling)
+    start = jnp.maximum(falling.length - farthest, 0.0)
+    column = jax.vmap(partial(column_along, atmosphere, planet))(falling, start, falling.length)
+    leg = join(rising, falling)
     # Only the far leg of a limb ray is seen through another.
     none = jnp.zeros((up, column.shape[1]), column.dtype)
     offset = jnp.concatenate([none, column[:limb], jnp.zeros_like(column)])

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..atmosphere import Atmosphere
+from .columns import SunColumns
 from .fan import make_fan
 from .geometry import AbstractPlanet, Flat, SunDirection
 from .harmonics import cosines, legendre
-from .paths import SunColumns
 from .quadrature import gauss, safe_sqrt
 from .quality import Quality
 from .single import along_leg, from_ground

@@ -85,7 +85,7 @@ class AbstractPlanet(eqx.Module):
 
     @abc.abstractmethod
     def lowest(self, altitude, mu) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
-        """Distance to the lowest point of a falling ray that misses the ground; its altitude [m]."""
+        """Distance to and altitude of the lowest point of a ray that misses the ground [m]."""
 
     @abc.abstractmethod
     def advance(self, altitude, mu, distance) -> tuple[Float[Array, "*b"], Float[Array, "*b"]]:

@@ -17,10 +17,10 @@ def legendre(
 ) -> Float[Array, "order+1 degree+1 *batch"]:
     """P̄_lm at directions of cosine μ, for m up to `order` and l up to `degree`; 0 where l < m."""
     # P̄_lm = a μ P̄_{l-1,m} - b P̄_{l-2,m}, started on the diagonal by P̄_mm ∝ sin^m θ.
-    l, m = np.arange(degree + 1)[:, None], np.arange(order + 1)[None, :]
-    gap = np.maximum(l**2 - m**2, 1)
-    a = np.where(l > m, (2 * l - 1) / np.sqrt(gap), 0.0)
-    b = np.where(l > m, np.sqrt(np.maximum((l - 1) ** 2 - m**2, 0) / gap), 0.0)
+    n, m = np.arange(degree + 1)[:, None], np.arange(order + 1)[None, :]
+    gap = np.maximum(n**2 - m**2, 1)
+    a = np.where(n > m, (2 * n - 1) / np.sqrt(gap), 0.0)
+    b = np.where(n > m, np.sqrt(np.maximum((n - 1) ** 2 - m**2, 0) / gap), 0.0)
     k = np.arange(1, order + 1)
     steps = np.where(k > 1, np.sqrt((2 * k - 1) / (2 * k)), 1.0)
     column = (-1,) + (1,) * mu.ndim
@@ -34,7 +34,7 @@ def legendre(
         new = mixed + start.reshape(column) * diagonal
         return (here, new), new
 
-    rows = tuple(jnp.asarray(c, mu.dtype) for c in (a, b, l == m))
+    rows = tuple(jnp.asarray(c, mu.dtype) for c in (a, b, n == m))
     zero = jnp.zeros_like(diagonal)
     _, values = jax.lax.scan(step, (zero, zero), rows)
     return jnp.swapaxes(values, 0, 1)

@@ -17,7 +17,7 @@ from .fan import make_fan
 from .field import Field, Grid, project
 from .geometry import AbstractPlanet, Ray, SunDirection
 from .harmonics import cosines, legendre
-from .paths import Kind, Leg, column_along, legs, sample, sight
+from .paths import Kind, Leg, column_along, legs, rising_leg, sample, sight
 from .quadrature import lagrange_weights
 from .quality import Quality
 
@@ -41,8 +41,8 @@ def scatter(atmosphere: Atmosphere, field: Field) -> Source:
     for one in atmosphere.constituents:
         highest = one.phase.max_degree
         top = degree if highest is None else min(degree, highest)
-        l = np.arange(top + 1)[:, None]
-        chi = one.phase.legendre(top) * jnp.asarray((2 * l + 1) / (4 * np.pi), field.moments.dtype)
+        norm = (2 * np.arange(top + 1)[:, None] + 1) / (4 * np.pi)
+        chi = one.phase.legendre(top) * jnp.asarray(norm, field.moments.dtype)
         strength = (chi * one.scattering[None, :])[None, None, :, None, :]
         sources.append(strength * field.moments[:, : top + 1, : top + 1])
     ground = atmosphere.ground_albedo[None, :] / np.pi * field.irradiance
@@ -122,25 +122,23 @@ def gather(
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one line of sight; arguments as for `send`."""
     farthest, _ = sight(atmosphere.extinction)
-    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest, kind)
-    light = 0.0
-    before = jnp.zeros_like(atmosphere.extinction[:, 0])
-    if falling is not None:
-        start = jnp.maximum(falling.length - farthest, 0.0)
-        column = column_along(atmosphere, planet, falling, start, falling.length)
-        light = send(
-            atmosphere, planet, grid, source, ray, falling, start, before, column, strikes, sun,
+    none = jnp.zeros_like(atmosphere.extinction[:, 0])
+
+    def sent_along(leg, start, offset, to_ground, strikes):
+        return send(
+            atmosphere, planet, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
             nodes,
         )  # fmt: skip
-        before = column
-    if rising is not None:
-        start = jnp.zeros_like(rising.length)
-        missed = jnp.zeros_like(strikes)
-        light = light + send(
-            atmosphere, planet, grid, source, ray, rising, start, before, before, missed, sun,
-            nodes,
-        )  # fmt: skip
-    return light
+
+    missed = jnp.asarray(False)
+    if kind == "rising":
+        leg = rising_leg(planet, ray.altitude, ray.mu, farthest)
+        return sent_along(leg, jnp.zeros_like(leg.length), none, none, missed)
+    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest)
+    start = jnp.maximum(falling.length - farthest, 0.0)
+    column = column_along(atmosphere, planet, falling, start, falling.length)
+    below = sent_along(falling, start, none, column, strikes)
+    return below + sent_along(rising, jnp.zeros_like(rising.length), column, none, missed)
 
 
 def next_field(

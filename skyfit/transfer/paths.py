@@ -19,12 +19,12 @@ from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
-from .geometry import AbstractPlanet, Spherical
+from .geometry import AbstractPlanet
 from .quadrature import gauss, legendre_moments, polynomial_fit
 
 
-Kind = Literal["rising", "falling", "limb", "any"]
-"""Which legs a ray has: only rising; only falling, to the ground; both; known at run time."""
+Kind = Literal["rising", "any"]
+"""Lines of sight that all rise, or that go anywhere: known before compiling."""
 
 
 class Leg(eqx.Module):
@@ -87,45 +87,65 @@ def sight(extinction: Float[Array, "species wavelength"]) -> tuple[Scalar, Scala
     return 2000 / slowest, 1 / densest
 
 
+def rising_leg(planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar) -> Leg:
+    """The one leg of a ray that rises from the eye, no longer than `farthest` [m]; see `sight`."""
+    none = jnp.zeros_like(altitude)
+    length = jnp.minimum(planet.to_top(altitude, mu), farthest)
+    return Leg(altitude, mu, length, none, none + 1)
+
+
+def ground_leg(planet: AbstractPlanet, altitude: Scalar, mu: Scalar) -> Leg:
+    """The one leg of a ray that falls from the eye to the ground."""
+    none = jnp.zeros_like(altitude)
+    distance = planet.to_ground(altitude, mu)
+    return Leg(none, planet.mu_at_level(altitude, mu, none), distance, distance, none - 1)
+
+
+def limb_legs(
+    planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar
+) -> tuple[Leg, Leg]:
+    """The falling and the rising leg of a ray that misses the ground."""
+    none = jnp.zeros_like(altitude)
+    distance, low = planet.lowest(altitude, mu)
+    falling = Leg(low, none, distance, distance, none - 1)
+    length = jnp.minimum(planet.to_top(low, none), farthest)
+    return falling, Leg(low, none, length, distance, none + 1)
+
+
 def legs(
-    planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar, kind: Kind
-) -> tuple[Leg | None, Leg | None, Bool[Array, ""]]:
-    """Cut a ray at its lowest point.
+    planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar
+) -> tuple[Leg, Leg, Bool[Array, ""]]:
+    """Cut any ray at its lowest point.
 
     Args:
         planet: Its shape.
         altitude: Of the eye, inside the atmosphere [m].
         mu: Cosine of the ray's zenith angle at the eye.
         farthest: No rising leg is longer [m]; see `sight`.
-        kind: Which legs there are.
 
     Returns:
-        The falling leg, the rising leg (None where `kind` has none), and whether the ray ends at
-        the ground.
+        The falling leg, the rising leg (of length 0 where there is none), and whether the ray ends
+        at the ground.
     """
     none = jnp.zeros_like(altitude)
-    if kind == "rising":
-        length = jnp.minimum(planet.to_top(altitude, mu), farthest)
-        return None, Leg(altitude, mu, length, none, none + 1), jnp.asarray(False)
-    falls = jnp.asarray(kind in ("falling", "limb")) | (mu < 0)
-    strikes = jnp.asarray(kind == "falling") | (mu < planet.horizon(altitude))
-    strikes = strikes & jnp.asarray(kind != "limb")
-    safe = jnp.where(falls, mu, -1.0)
-    if kind == "falling":
-        low_distance, low = planet.to_ground(altitude, mu), none
-    else:
-        to_ground = planet.to_ground(altitude, jnp.where(strikes, mu, -1.0))
-        to_lowest, lowest = planet.lowest(altitude, jnp.where(strikes, -1e-6, safe))
-        low_distance = jnp.where(strikes, to_ground, jnp.where(falls, to_lowest, 0.0))
-        low = jnp.where(strikes, 0.0, jnp.where(falls, lowest, altitude))
-    ground_mu = planet.mu_at_level(altitude, mu, none)
-    low_mu = jnp.where(strikes, ground_mu, jnp.where(falls, 0.0, mu))
-    falling = Leg(low, low_mu, low_distance, low_distance, none - 1)
-    if kind == "falling":
-        return falling, None, strikes
-    to_top = jnp.minimum(planet.to_top(low, jnp.where(strikes, 1.0, low_mu)), farthest)
-    rising = Leg(low, low_mu, jnp.where(strikes, 0.0, to_top), low_distance, none + 1)
-    return falling, rising, strikes
+    falls, strikes = mu < 0, mu < planet.horizon(altitude)
+    # Each kind of ray is computed from a direction it can have, then chosen.
+    straight = ground_leg(planet, altitude, jnp.where(strikes, mu, -1.0))
+    grazing = jnp.where(strikes, planet.horizon(altitude), jnp.minimum(mu, 0.0))
+    down, out = limb_legs(planet, altitude, grazing, farthest)
+    up = rising_leg(planet, altitude, jnp.maximum(mu, 0.0), farthest)
+    absent = Leg(altitude, none, none, none, none - 1)
+
+    def choose(condition, yes, no):
+        return jax.tree.map(partial(jnp.where, condition), yes, no)
+
+    falling = choose(strikes, straight, choose(falls, down, absent))
+    rising = choose(falls, out, up)
+    return (
+        falling,
+        eqx.tree_at(lambda leg: leg.length, rising, jnp.where(strikes, 0.0, rising.length)),
+        strikes,
+    )
 
 
 def sample(
@@ -205,105 +225,3 @@ def _in_panels(edges: Float[Array, " edge"], count: int):
     x, w = (jnp.asarray(a, edges.dtype)[None, :] for a in gauss(count))
     width = jnp.diff(edges)[:, None]
     return edges[:-1, None] + width * x, width * w
-
-
-class SunColumns(eqx.Module):
-    """Columns from any point to the top of the atmosphere, towards the sun.
-
-    A table over altitude and the sun's zenith cosine, read with bicubic interpolation. Its
-    coordinates stretch the ground and the horizon (after Bruneton & Neyret 2008, section 4).
-
-    Attributes:
-        planet: Its shape.
-        table: Columns; a flat planet's has one angle, the vertical.
-    """
-
-    planet: AbstractPlanet
-    table: Float[Array, "altitude angle species"]
-
-    def __call__(
-        self, altitude: Float[Array, "*b"], mu: Float[Array, "*b"]
-    ) -> tuple[Float[Array, "*b species"], Bool[Array, "*b"]]:
-        """Columns [m] at altitudes, towards zenith cosines; and whether the sun is above the horizon.
-
-        Where it is not, the column is that to the zenith.
-        """
-        horizon = self.planet.horizon(altitude)
-        lit = mu > horizon
-        up = jnp.where(lit, mu, 1.0)
-        row = _stretch(altitude / self.planet.top) * (self.table.shape[0] - 1)
-        if self.table.shape[1] == 1:
-            vertical = _interpolate(self.table[:, 0], row)
-            return vertical / up[..., None], lit
-        column = _stretch((up - horizon) / (1 - horizon)) * (self.table.shape[1] - 1)
-        return _interpolate2(self.table, row, column), lit
-
-
-def sun_columns(
-    atmosphere: Atmosphere, planet: AbstractPlanet, altitudes: int, angles: int
-) -> SunColumns:
-    """Tabulate the columns towards the sun."""
-    share = _unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
-    altitude = planet.top * share
-
-    def one(h, mu):
-        none = jnp.zeros_like(h)
-        falling, rising, _ = legs(planet, h, mu, none + jnp.inf, "limb")
-        assert falling is not None
-        assert rising is not None
-        # A ray that does not fall has its lowest point here.
-        up = Leg(h, mu, planet.to_top(h, jnp.maximum(mu, 0.0)), none, none + 1)
-        falls = mu < 0
-        leg = jax.tree.map(partial(jnp.where, falls), rising, up)
-        dip = jnp.where(falls, falling.length, 0.0)
-        out = column_along(atmosphere, planet, leg, none, leg.length)
-        return out + column_along(atmosphere, planet, leg, none, dip)
-
-    over_angles = jax.vmap(one, in_axes=(None, 0))
-    if isinstance(planet, Spherical):
-        w = _unstretch(jnp.linspace(0.0, 1.0, angles, dtype=altitude.dtype))
-        horizon = planet.horizon(altitude)[:, None]
-        mu = horizon + (1 - horizon) * w[None, :]
-        return SunColumns(planet, jax.vmap(over_angles)(altitude, mu))
-    up = jnp.ones((altitudes, 1), altitude.dtype)
-    return SunColumns(planet, jax.vmap(over_angles)(altitude, up))
-
-
-_OFFSET = 1e-3  # of the square-root coordinates; it keeps their slope at 0 finite
-
-
-def _stretch(share):
-    """Square root of a share in [0, 1], offset and rescaled to [0, 1]."""
-    share = jnp.maximum(share, 0.0)
-    return jnp.sqrt(share * (1 + 2 * _OFFSET) + _OFFSET**2) - _OFFSET
-
-
-def _unstretch(x):
-    return ((x + _OFFSET) ** 2 - _OFFSET**2) / (1 + 2 * _OFFSET)
-
-
-def _cubic(position, count):
-    """First of four neighbours on a uniform grid, and their Lagrange weights."""
-    first = jnp.clip(jnp.floor(position).astype(int) - 1, 0, count - 4)
-    t = position - first.astype(position.dtype)
-    a, b, c, d = t, t - 1, t - 2, t - 3
-    weights = (-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6)
-    return first, weights
-
-
-def _interpolate(table, position):
-    first, weights = _cubic(position, table.shape[0])
-    return sum(w[..., None] * table[first + k] for k, w in enumerate(weights))
-
-
-def _interpolate2(table, row, column):
-    rows, columns, _ = table.shape
-    flat = table.reshape(rows * columns, -1)
-    first_row, row_weights = _cubic(row, rows)
-    first_column, column_weights = _cubic(column, columns)
-    total = 0.0
-    for i, wi in enumerate(row_weights):
-        start = (first_row + i) * columns + first_column
-        for j, wj in enumerate(column_weights):
-            total = total + (wi * wj)[..., None] * flat[start + j]
-    return total

@@ -11,10 +11,11 @@ from jaxtyping import Array, ArrayLike, Float
 from .._typing import as_float, check, is_traced
 from ..angles import cos_view_sun_angle
 from ..atmosphere import Atmosphere
+from .columns import SunColumns, sun_columns
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .orders import gather, next_field, scatter
-from .paths import Kind, SunColumns, sun_columns
+from .paths import Kind
 from .quality import QUALITIES, Quality
 from .single import first_order
 from .views import Views, group

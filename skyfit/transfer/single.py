@@ -9,8 +9,9 @@ from jaxtyping import Array, Float
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
+from .columns import SunColumns
 from .geometry import AbstractPlanet, Ray, SunDirection
-from .paths import Kind, Leg, SunColumns, column_along, legs, sample, sight
+from .paths import Kind, Leg, column_along, legs, rising_leg, sample, sight
 
 
 def sunlight_at(
@@ -95,7 +96,7 @@ def first_order(
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         sun: As seen from the eye, in the frame of the ray.
-        kind: Which legs the ray has.
+        kind: "rising" saves the legs of falling rays.
         nodes: On each stretch.
         split: Cut the ray where it enters and leaves the planet's shadow. Without, nodes in the
             shadow are dark, and its edge is found only to their distance.
@@ -105,7 +106,6 @@ def first_order(
         radiance of the ground as it arrives [sr⁻¹].
     """
     farthest, _ = sight(atmosphere.extinction)
-    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest, kind)
 
     def light_of(leg: Leg, start, offset):
         def light_from(low, high, column):
@@ -126,15 +126,15 @@ def first_order(
         far = offset + jnp.where(rises, inner, 0.0)
         return light_from(start, low, near) + light_from(high, leg.length, far)
 
-    scattered = jnp.zeros_like(atmosphere.extinction)
-    ground = jnp.zeros_like(scattered[0])
-    before = jnp.zeros_like(scattered[:, 0])
-    if falling is not None:
-        start = jnp.maximum(falling.length - farthest, 0.0)
-        scattered = scattered + light_of(falling, start, before)
-        before = column_along(atmosphere, planet, falling, start, falling.length)
-        reflected = from_ground(atmosphere, planet, columns, ray, falling.low_distance, before, sun)
-        ground = jnp.where(strikes, reflected, 0.0)
-    if rising is not None:
-        scattered = scattered + light_of(rising, jnp.zeros_like(rising.length), before)
-    return scattered, ground
+    none = jnp.zeros_like(atmosphere.extinction[:, 0])
+    if kind == "rising":
+        leg = rising_leg(planet, ray.altitude, ray.mu, farthest)
+        scattered = light_of(leg, jnp.zeros_like(leg.length), none)
+        return scattered, jnp.zeros_like(scattered[0])
+    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest)
+    start = jnp.maximum(falling.length - farthest, 0.0)
+    before = column_along(atmosphere, planet, falling, start, falling.length)
+    scattered = light_of(falling, start, none)
+    scattered = scattered + light_of(rising, jnp.zeros_like(rising.length), before)
+    ground = from_ground(atmosphere, planet, columns, ray, falling.low_distance, before, sun)
+    return scattered, jnp.where(strikes, ground, 0.0)
