@@ -148,7 +148,7 @@ class _Scene:
             leave = np.where(down, hit, last)
             # A level ray never leaves: it is followed until nothing comes through.
             thin = np.min(self.air.density(self.altitude(p)) @ self.air.extinction, axis=-1)
-            leave = np.where(np.abs(d[:, 2]) < 1e-6, 60 / thin, leave)
+            leave = np.where(np.abs(d[:, 2]) < 1e-6, 60 / np.maximum(thin, 1e-9), leave)
             inside = self.altitude(p) <= self.air.top
             return np.where(inside, 0.0, first), leave, down & (leave == hit)
         ends = down & np.isfinite(hit)
