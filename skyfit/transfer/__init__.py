@@ -4,6 +4,7 @@ How it works, file by file:
 
 - `geometry`: straight rays over a planet, spherical or flat;
 - `quadrature`: nodes, weights and interpolation, all known before anything is compiled;
+- `medium`: an atmosphere on its planet, its densities made cheap to integrate;
 - `paths`: density along rays, and columns between eye and air;
 - `columns`: columns between air and sun;
 - `single`: the first order, light scattered once;

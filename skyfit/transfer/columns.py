@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Spherical
+from .medium import Medium
 from .paths import column_along, limb_legs, rising_leg
 
 
@@ -44,10 +44,9 @@ class SunColumns(eqx.Module):
         return _interpolate2(self.table, row, column), lit
 
 
-def sun_columns(
-    atmosphere: Atmosphere, planet: AbstractPlanet, altitudes: int, angles: int
-) -> SunColumns:
+def sun_columns(medium: Medium, altitudes: int, angles: int) -> SunColumns:
     """Tabulate the columns towards the sun."""
+    planet = medium.planet
     share = _unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
     altitude = planet.top * share
 
@@ -58,8 +57,8 @@ def sun_columns(
         falls = mu < 0
         leg = jax.tree.map(partial(jnp.where, falls), rising, up)
         dip = jnp.where(falls, falling.length, 0.0)
-        out = column_along(atmosphere, planet, leg, none, leg.length)
-        return out + column_along(atmosphere, planet, leg, none, dip)
+        out = column_along(medium, leg, none, leg.length)
+        return out + column_along(medium, leg, none, dip)
 
     over_angles = jax.vmap(one, in_axes=(None, 0))
     if isinstance(planet, Spherical):

@@ -12,9 +12,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
-from ..atmosphere import Atmosphere
-from .geometry import AbstractPlanet, Flat, Ray
-from .paths import Leg, column_along, ground_leg, limb_legs, rising_leg, sight
+from .geometry import Flat, Ray
+from .medium import Medium
+from .paths import Leg, column_along, ground_leg, limb_legs, rising_leg
 from .quadrature import safe_sqrt
 from .quality import Quality
 
@@ -54,25 +54,26 @@ class Fan(eqx.Module):
 
 
 def make_fan(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     altitude: Scalar,
     mu: Float[Array, " ray"],
     quality: Quality,
 ) -> Fan:
     """Cut the rays of a level; `mu` are their zenith cosines in the order rising, limb, falling."""
-    farthest, _ = sight(atmosphere.extinction)
+    farthest, _ = medium.sight()
     up = quality.up
-    limb = 0 if isinstance(planet, Flat) else quality.limb
+    limb = 0 if isinstance(medium.planet, Flat) else quality.limb
 
-    rising = jax.vmap(lambda m: rising_leg(planet, altitude, m, farthest))(mu[:up])
-    falling = jax.vmap(lambda m: ground_leg(planet, altitude, m))(mu[up + limb :])
+    rising = jax.vmap(lambda m: rising_leg(medium.planet, altitude, m, farthest))(mu[:up])
+    falling = jax.vmap(lambda m: ground_leg(medium.planet, altitude, m))(mu[up + limb :])
     join = partial(jax.tree.map, lambda *parts: jnp.concatenate(parts))
     if limb:
-        down, out = jax.vmap(lambda m: limb_legs(planet, altitude, m, farthest))(mu[up : up + limb])
+        down, out = jax.vmap(lambda m: limb_legs(medium.planet, altitude, m, farthest))(
+            mu[up : up + limb]
+        )
         rising, falling = join(rising, out), join(down, falling)
     start = jnp.maximum(falling.length - farthest, 0.0)
-    column = jax.vmap(partial(column_along, atmosphere, planet))(falling, start, falling.length)
+    column = jax.vmap(partial(column_along, medium))(falling, start, falling.length)
     leg = join(rising, falling)
     # Only the far leg of a limb ray is seen through another.
     none = jnp.zeros((up, column.shape[1]), column.dtype)

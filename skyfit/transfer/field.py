@@ -10,11 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..atmosphere import Atmosphere
 from .columns import SunColumns
 from .fan import make_fan
-from .geometry import AbstractPlanet, Flat, SunDirection
+from .geometry import Flat, SunDirection
 from .harmonics import cosines, legendre
+from .medium import Medium
 from .quadrature import gauss, safe_sqrt
 from .quality import Quality
 from .single import along_leg, from_ground
@@ -58,12 +58,12 @@ class Field(eqx.Module):
     irradiance: Float[Array, "sun wavelength"]
 
 
-def make_grid(planet: AbstractPlanet, sun_zenith: Float[Array, " sun"], quality: Quality) -> Grid:
+def make_grid(medium: Medium, sun_zenith: Float[Array, " sun"], quality: Quality) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
     x = np.linspace(0, 1, quality.levels)
     share = np.expm1(_LEVEL_GROWTH * x) / np.expm1(_LEVEL_GROWTH)
-    altitude = planet.top * jnp.asarray(share, planet.top.dtype)
-    horizon = planet.horizon(altitude)[:, None]
+    altitude = medium.planet.top * jnp.asarray(share, medium.planet.top.dtype)
+    horizon = medium.planet.horizon(altitude)[:, None]
     horizon = jnp.where(altitude[:, None] > 0, horizon, 0.0)
 
     def panel(count, start, end):
@@ -71,7 +71,7 @@ def make_grid(planet: AbstractPlanet, sun_zenith: Float[Array, " sun"], quality:
         return start + (end - start) * nodes, (end - start) * weights
 
     panels = [panel(quality.up, 0 * horizon, 1.0 + 0 * horizon)]
-    if not isinstance(planet, Flat):
+    if not isinstance(medium.planet, Flat):
         panels.append(panel(quality.limb, horizon, 0 * horizon))
     panels.append(panel(quality.down, -1.0 + 0 * horizon, horizon))
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
@@ -98,14 +98,13 @@ def project(
 
 
 def first_field(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     columns: SunColumns,
     grid: Grid,
     quality: Quality,
 ) -> Field:
     """The first order at every level: sunlight scattered once, and lit ground."""
-    nodes, spread = _azimuth_rule(quality, isinstance(planet, Flat))
+    nodes, spread = _azimuth_rule(quality, isinstance(medium.planet, Flat))
     cos_nodes = jnp.asarray(nodes, grid.mu.dtype)
     spread = jnp.asarray(spread, grid.mu.dtype)
     zenith, cosine = jnp.broadcast_arrays(grid.sun_zenith[None, :], cos_nodes[:, None])
@@ -114,12 +113,12 @@ def first_field(
 
     def at_level(level):
         altitude, mu, weight = level
-        fan = make_fan(atmosphere, planet, altitude, mu, quality)
+        fan = make_fan(medium, altitude, mu, quality)
 
         def along(ray, leg, start, offset):
             def under(sun):
                 return along_leg(
-                    atmosphere, planet, columns, ray, leg, (start, leg.length), offset, sun,
+                    medium, columns, ray, leg, (start, leg.length), offset, sun,
                     quality.field_nodes,
                 )  # fmt: skip
 
@@ -127,9 +126,7 @@ def first_field(
 
         def ground_along(ray, leg, to_ground):
             def under(sun):
-                return from_ground(
-                    atmosphere, planet, columns, ray, leg.low_distance, to_ground, sun
-                )
+                return from_ground(medium, columns, ray, leg.low_distance, to_ground, sun)
 
             return jax.vmap(jax.vmap(under))(node_suns)
 
@@ -142,7 +139,7 @@ def first_field(
         sine = safe_sqrt(1 - mu**2)[:, None, None]
         cos_gamma = mu[:, None, None] * suns.up[None] + sine * suns.ahead[None]
         light = jnp.einsum("an,rnsw->rasw", spread, ground)
-        for number, one in enumerate(atmosphere.constituents):
+        for number, one in enumerate(medium.atmosphere.constituents):
             here = jnp.einsum("an,rnsw->rasw", spread, strength[..., number, :])
             light = light + one.phase.spectral(cos_gamma) * here
         return project(grid, mu, weight, light, quality.degree)

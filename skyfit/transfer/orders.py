@@ -15,9 +15,10 @@ from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .fan import make_fan
 from .field import Field, Grid, project
-from .geometry import AbstractPlanet, Ray, SunDirection
+from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
-from .paths import Kind, Leg, column_along, legs, rising_leg, sample, sight
+from .medium import Medium
+from .paths import Kind, Leg, column_along, legs, rising_leg, sample
 from .quadrature import lagrange_weights
 from .quality import Quality
 
@@ -50,8 +51,7 @@ def scatter(atmosphere: Atmosphere, field: Field) -> Source:
 
 
 def send(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     grid: Grid,
     source: Source,
     ray: Ray,
@@ -66,8 +66,7 @@ def send(
     """Light that a source sends along one leg of a ray, under one or many suns.
 
     Args:
-        atmosphere: What attenuates on the way.
-        planet: Its shape.
+        medium: What the light crosses.
         grid: Where the source is known.
         source: See `scatter`.
         ray: The line of sight, from inside the atmosphere.
@@ -82,13 +81,13 @@ def send(
     Returns:
         Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
     """
-    extinction = atmosphere.extinction
+    extinction = medium.atmosphere.extinction
     order = max(part.shape[1] for part in source.scattered) - 1
-    path = sample(atmosphere, planet, leg, start, leg.length, nodes)
+    path = sample(medium, leg, start, leg.length, nodes)
     arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
     near = lagrange_weights(grid.altitude, path.altitude)
-    crossing = leg.sign * planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
-    sine = planet.sine_at_level(ray, grid.altitude)
+    crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
+    sine = medium.planet.sine_at_level(ray, grid.altitude)
     harmonics = legendre(order, order, crossing, sine)
     levels, suns, wavelengths = crossing.size, *source.ground.shape
     sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
@@ -99,10 +98,10 @@ def send(
         sent = sent.at[:, :top].add(weight[:, None, None, :] * here)
     through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
     sent = sent.at[0, 0].add(through[None, :] * source.ground)
-    turn = planet.turn_sun
+    turn = medium.planet.turn_sun
     for _ in sun.up.shape:
         turn = jax.vmap(turn, in_axes=(0, None, None))
-    distance = leg.from_eye(planet.to_level(leg.altitude, leg.mu, grid.altitude))
+    distance = leg.from_eye(medium.planet.to_level(leg.altitude, leg.mu, grid.altitude))
     there = turn(sun, ray, distance)
     modes = cosines(order, there.cos_azimuth())
     between = lagrange_weights(grid.sun_zenith, there.zenith())
@@ -110,8 +109,7 @@ def send(
 
 
 def gather(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     grid: Grid,
     source: Source,
     ray: Ray,
@@ -121,36 +119,34 @@ def gather(
     nodes: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one line of sight; arguments as for `send`."""
-    farthest, _ = sight(atmosphere.extinction)
-    none = jnp.zeros_like(atmosphere.extinction[:, 0])
+    farthest, _ = medium.sight()
+    none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
 
     def sent_along(leg, start, offset, to_ground, strikes):
         return send(
-            atmosphere, planet, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
+            medium, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
             nodes,
         )  # fmt: skip
 
     missed = jnp.asarray(False)
     if kind == "rising":
-        leg = rising_leg(planet, ray.altitude, ray.mu, farthest)
+        leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
         return sent_along(leg, jnp.zeros_like(leg.length), none, none, missed)
-    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest)
+    falling, rising, strikes = legs(medium.planet, ray.altitude, ray.mu, farthest)
     start = jnp.maximum(falling.length - farthest, 0.0)
-    column = column_along(atmosphere, planet, falling, start, falling.length)
+    column = column_along(medium, falling, start, falling.length)
     below = sent_along(falling, start, none, column, strikes)
     return below + sent_along(rising, jnp.zeros_like(rising.length), column, none, missed)
 
 
-def next_field(
-    atmosphere: Atmosphere, planet: AbstractPlanet, grid: Grid, field: Field, quality: Quality
-) -> Field:
+def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Field:
     """The field of the next order, at every level and sun."""
-    source = scatter(atmosphere, field)
+    source = scatter(medium.atmosphere, field)
     suns = grid.sun_from()
 
     def at_level(level):
         altitude, mu, weight = level
-        fan = make_fan(atmosphere, planet, altitude, mu, quality)
+        fan = make_fan(medium, altitude, mu, quality)
         falls = fan.to_ground.shape[0]
         others = fan.offset.shape[0] - falls
         to_ground = jnp.concatenate([jnp.zeros_like(fan.offset[:others]), fan.to_ground])
@@ -158,7 +154,7 @@ def next_field(
 
         def along(ray, leg, start, offset, column, strikes):
             return send(
-                atmosphere, planet, grid, source, ray, leg, start, offset, column, strikes, suns,
+                medium, grid, source, ray, leg, start, offset, column, strikes, suns,
                 quality.field_nodes,
             )  # fmt: skip
 

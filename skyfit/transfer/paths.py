@@ -14,12 +14,11 @@ from typing import Literal
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
-from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet
+from .medium import Medium
 from .quadrature import gauss, legendre_moments, polynomial_fit
 
 
@@ -72,23 +71,8 @@ class Path(eqx.Module):
         return offset[None, :] + nearer
 
 
-def sight(extinction: Float[Array, "species wavelength"]) -> tuple[Scalar, Scalar]:
-    """How far and how closely rays must be looked at, by what dims them.
-
-    Returns:
-        Distance past which nothing is seen: 2000 optical depths at ground density [m]; only a
-        flat planet's grazing rays are that long. Where spectra differ more than a hundredfold the
-        densest wavelength counts.
-        Distance over which the densest wavelength fades at ground density [m].
-    """
-    total = jnp.sum(extinction, axis=0)
-    densest = jnp.maximum(jnp.max(total), 1e-12)
-    slowest = jnp.maximum(jnp.min(total), 0.01 * densest)
-    return 2000 / slowest, 1 / densest
-
-
 def rising_leg(planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar) -> Leg:
-    """The one leg of a ray that rises from the eye, no longer than `farthest` [m]; see `sight`."""
+    """The one leg of a ray that rises from the eye, no longer than `farthest` [m]."""
     none = jnp.zeros_like(altitude)
     length = jnp.minimum(planet.to_top(altitude, mu), farthest)
     return Leg(altitude, mu, length, none, none + 1)
@@ -121,7 +105,7 @@ def legs(
         planet: Its shape.
         altitude: Of the eye, inside the atmosphere [m].
         mu: Cosine of the ray's zenith angle at the eye.
-        farthest: No rising leg is longer [m]; see `sight`.
+        farthest: No rising leg is longer [m]; see `Medium.sight`.
 
     Returns:
         The falling leg, the rising leg (of length 0 where there is none), and whether the ray ends
@@ -148,14 +132,7 @@ def legs(
     )
 
 
-def sample(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
-    leg: Leg,
-    start: Scalar,
-    end: Scalar,
-    nodes: int,
-) -> Path:
+def sample(medium: Medium, leg: Leg, start: Scalar, end: Scalar, nodes: int) -> Path:
     """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
 
     Nodes thin out exponentially away from the lowest point, and on a falling leg from the eye too:
@@ -166,7 +143,7 @@ def sample(
     """
     span = end - start
     safe_span = jnp.where(span > 0, span, 1.0)
-    steepness = jnp.log1p(jnp.maximum(50.0, span / sight(atmosphere.extinction)[1]))
+    steepness = jnp.log1p(jnp.maximum(50.0, span / medium.sight()[1]))
     far, half = jnp.expm1(steepness), jnp.tanh(0.5 * steepness)
     rises = leg.sign > 0
 
@@ -184,13 +161,13 @@ def sample(
         return jnp.where(rises, rising, falling)
 
     x = jnp.asarray(gauss(nodes)[0], span.dtype)
-    kinks = undo(planet.to_level(leg.altitude, leg.mu, atmosphere.knots()))
+    kinks = undo(medium.planet.to_level(leg.altitude, leg.mu, medium.atmosphere.knots()))
     ends = jnp.asarray([0.0, 1.0], x.dtype)
     edges = jnp.sort(jnp.concatenate([ends, x, kinks]))
     fine, piece = _in_panels(edges, 3)
     at, slope = place(fine.ravel())
-    altitude = planet.advance(leg.altitude, leg.mu, at)[0]
-    density = atmosphere.density(altitude) * (slope * piece.ravel())[:, None]
+    altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
+    density = medium.atmosphere.density(altitude) * (slope * piece.ravel())[:, None]
     moments = legendre_moments(nodes, fine.ravel(), density)
     weight = jnp.asarray(polynomial_fit(nodes), density.dtype) @ moments
     panels = jnp.sum(density.reshape(*fine.shape, -1), axis=1)
@@ -198,26 +175,22 @@ def sample(
     # Below node j lie the end at 0, the nodes before it and the kinks before it.
     before = jnp.arange(nodes) + jnp.sum(kinks[None, :] < x[:, None], axis=1)
     outwards, _ = place(x)
-    low = planet.advance(leg.altitude, leg.mu, outwards)[0]
+    low = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
     return Path(leg.from_eye(outwards), low, weight, running[before], running[-1])
 
 
-def column_along(
-    atmosphere: Atmosphere, planet: AbstractPlanet, leg: Leg, start: Scalar, end: Scalar
-) -> Float[Array, " species"]:
+def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[Array, " species"]:
     """Column between two distances from a leg's lowest point [m]."""
-    crossings = planet.to_level(leg.altitude, leg.mu, _shells(atmosphere))
-    edges = jnp.concatenate([start[None], jnp.clip(crossings, start, end), end[None]])
-    at, piece = _in_panels(edges, 3)
-    altitude = planet.advance(leg.altitude, leg.mu, at.ravel())[0]
-    return piece.ravel() @ atmosphere.density(altitude)
-
-
-def _shells(atmosphere: Atmosphere) -> Float[Array, " shell"]:
-    """Altitudes between which densities are smooth and change by no more than a few times [m]."""
-    share = np.expm1(6 * np.linspace(0, 1, 20)) / np.expm1(6)
-    base = atmosphere.top_altitude * jnp.asarray(share, atmosphere.top_altitude.dtype)
-    return jnp.sort(jnp.concatenate([base, atmosphere.knots()]))
+    planet, edges = medium.planet, medium.edges
+    crossings = jnp.clip(planet.to_level(leg.altitude, leg.mu, edges), start, end)
+    at, piece = _in_panels(crossings, 3)
+    altitude = planet.advance(leg.altitude, leg.mu, at)[0]
+    depth = jnp.diff(edges)[:, None]
+    share = (altitude - edges[:-1, None]) / jnp.where(depth > 0, depth, 1.0)
+    c0, c1, c2, c3 = (medium.cubics[:, k][:, None, :] for k in range(4))
+    share = share[..., None]
+    density = c0 + share * (c1 + share * (c2 + share * c3))
+    return jnp.einsum("kn,kns->s", piece, density)
 
 
 def _in_panels(edges: Float[Array, " edge"], count: int):

@@ -14,6 +14,7 @@ from ..atmosphere import Atmosphere
 from .columns import SunColumns, sun_columns
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
+from .medium import Medium, make_medium
 from .orders import gather, next_field, scatter
 from .paths import Kind
 from .quality import QUALITIES, Quality
@@ -115,24 +116,25 @@ def _simulate(
     """Every order, for every sun in turn."""
     radius, top = atmosphere.planet_radius, atmosphere.top_altitude
     planet = Flat(top) if flat else Spherical(radius, top)
-    columns = sun_columns(atmosphere, planet, quality.column_altitudes, quality.column_angles)
+    medium = make_medium(atmosphere, planet)
+    columns = sun_columns(medium, quality.column_altitudes, quality.column_angles)
 
     def under_one_sun(view: Views):
         eyes = _eyes(planet, view, kind)
-        first = _first(atmosphere, planet, columns, view, eyes, quality, kind, split)
+        first = _first(medium, columns, view, eyes, quality, kind, split)
         if count == 1:
             return first[None]
         offsets = (0.0,) if flat else quality.sun_offsets_deg
         suns = view.sun + jnp.radians(jnp.asarray(offsets, view.sun.dtype))
-        grid = make_grid(planet, suns, quality)
-        field = first_field(atmosphere, planet, columns, grid, quality)
+        grid = make_grid(medium, suns, quality)
+        field = first_field(medium, columns, grid, quality)
 
         def look(field):
             source = scatter(atmosphere, field)
 
             def along(ray, sun, meets):
                 light = gather(
-                    atmosphere, planet, grid, source, ray, sun,
+                    medium, grid, source, ray, sun,
                     kind=kind, nodes=quality.field_nodes,
                 )  # fmt: skip
                 return jnp.where(meets, light, 0.0)
@@ -140,7 +142,7 @@ def _simulate(
             return jax.vmap(along)(*eyes)
 
         def step(field, _):
-            field = next_field(atmosphere, planet, grid, field, quality)
+            field = next_field(medium, grid, field, quality)
             return field, look(field)
 
         second = look(field)
@@ -168,8 +170,7 @@ def _eyes(planet: AbstractPlanet, view: Views, kind: Kind):
 
 
 def _first(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     columns: SunColumns,
     view: Views,
     eyes: tuple[Ray, SunDirection, Array],
@@ -179,12 +180,12 @@ def _first(
 ) -> Float[Array, "ray out wavelength"]:
     """The first order along every line of sight."""
     cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
-    phases = [one.phase.spectral(cos_gamma) for one in atmosphere.constituents]
+    phases = [one.phase.spectral(cos_gamma) for one in medium.atmosphere.constituents]
 
     def along(ray, suns, meets):
         def under(sun):
             return first_order(
-                atmosphere, planet, columns, ray, sun,
+                medium, columns, ray, sun,
                 kind=kind, nodes=quality.view_nodes, split=split,
             )  # fmt: skip
 

@@ -8,10 +8,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
-from ..atmosphere import Atmosphere
 from .columns import SunColumns
-from .geometry import AbstractPlanet, Ray, SunDirection
-from .paths import Kind, Leg, column_along, legs, rising_leg, sample, sight
+from .geometry import Ray, SunDirection
+from .medium import Medium
+from .paths import Kind, Leg, column_along, legs, rising_leg, sample
 
 
 def sunlight_at(
@@ -28,8 +28,7 @@ def sunlight_at(
 
 
 def along_leg(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     columns: SunColumns,
     ray: Ray,
     leg: Leg,
@@ -41,8 +40,7 @@ def along_leg(
     """First-order light from a stretch of one leg of a ray, under one sun.
 
     Args:
-        atmosphere: What scatters and absorbs.
-        planet: Its shape.
+        medium: What the light crosses.
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         leg: One of its legs.
@@ -54,16 +52,15 @@ def along_leg(
     Returns:
         What the phase functions multiply, scattering coefficient included; per unit irradiance.
     """
-    path = sample(atmosphere, planet, leg, *stretch, nodes)
-    here = planet.turn_sun(sun, ray, path.distance)
+    path = sample(medium, leg, *stretch, nodes)
+    here = medium.planet.turn_sun(sun, ray, path.distance)
     to_eye = path.to_eye(leg, offset)
-    light = sunlight_at(atmosphere.extinction, columns, path.altitude, here.up, to_eye)
-    return (path.weight.T @ light) * atmosphere.scattering
+    light = sunlight_at(medium.atmosphere.extinction, columns, path.altitude, here.up, to_eye)
+    return (path.weight.T @ light) * medium.atmosphere.scattering
 
 
 def from_ground(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     columns: SunColumns,
     ray: Ray,
     distance: Scalar,
@@ -71,15 +68,14 @@ def from_ground(
     sun: SunDirection,
 ) -> Float[Array, " wavelength"]:
     """Radiance of the sunlit ground as it arrives, per unit of solar irradiance [sr⁻¹]."""
-    below = planet.turn_sun(sun, ray, distance)
+    below = medium.planet.turn_sun(sun, ray, distance)
     altitude = jnp.zeros_like(ray.mu)
-    light = sunlight_at(atmosphere.extinction, columns, altitude, below.up, to_ground)
-    return atmosphere.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
+    light = sunlight_at(medium.atmosphere.extinction, columns, altitude, below.up, to_ground)
+    return medium.atmosphere.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
 
 
 def first_order(
-    atmosphere: Atmosphere,
-    planet: AbstractPlanet,
+    medium: Medium,
     columns: SunColumns,
     ray: Ray,
     sun: SunDirection,
@@ -91,8 +87,7 @@ def first_order(
     """First-order light along one line of sight under one sun, per unit of solar irradiance.
 
     Args:
-        atmosphere: What scatters and absorbs.
-        planet: Its shape.
+        medium: What the light crosses.
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         sun: As seen from the eye, in the frame of the ray.
@@ -105,36 +100,36 @@ def first_order(
         What the phase functions multiply, scattering coefficient included [species, wavelength];
         radiance of the ground as it arrives [sr⁻¹].
     """
-    farthest, _ = sight(atmosphere.extinction)
+    farthest, _ = medium.sight()
 
     def light_of(leg: Leg, start, offset):
         def light_from(low, high, column):
-            return along_leg(atmosphere, planet, columns, ray, leg, (low, high), column, sun, nodes)
+            return along_leg(medium, columns, ray, leg, (low, high), column, sun, nodes)
 
         if not split:
             return light_from(start, leg.length, offset)
         a, b = (
             jnp.clip(leg.sign * (t - leg.low_distance), start, leg.length)
-            for t in planet.shadow(sun, ray)
+            for t in medium.planet.shadow(sun, ray)
         )
         low, high = jnp.minimum(a, b), jnp.maximum(a, b)
         # The far stretch of a rising leg is seen through all below it; of a falling one, directly.
-        inner = column_along(atmosphere, planet, leg, start, high)
-        outer = column_along(atmosphere, planet, leg, low, leg.length)
+        inner = column_along(medium, leg, start, high)
+        outer = column_along(medium, leg, low, leg.length)
         rises = leg.sign > 0
         near = offset + jnp.where(rises, 0.0, outer)
         far = offset + jnp.where(rises, inner, 0.0)
         return light_from(start, low, near) + light_from(high, leg.length, far)
 
-    none = jnp.zeros_like(atmosphere.extinction[:, 0])
+    none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
     if kind == "rising":
-        leg = rising_leg(planet, ray.altitude, ray.mu, farthest)
+        leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
         scattered = light_of(leg, jnp.zeros_like(leg.length), none)
         return scattered, jnp.zeros_like(scattered[0])
-    falling, rising, strikes = legs(planet, ray.altitude, ray.mu, farthest)
+    falling, rising, strikes = legs(medium.planet, ray.altitude, ray.mu, farthest)
     start = jnp.maximum(falling.length - farthest, 0.0)
-    before = column_along(atmosphere, planet, falling, start, falling.length)
+    before = column_along(medium, falling, start, falling.length)
     scattered = light_of(falling, start, none)
     scattered = scattered + light_of(rising, jnp.zeros_like(rising.length), before)
-    ground = from_ground(atmosphere, planet, columns, ray, falling.low_distance, before, sun)
+    ground = from_ground(medium, columns, ray, falling.low_distance, before, sun)
     return scattered, jnp.where(strikes, ground, 0.0)
