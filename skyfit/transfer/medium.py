@@ -24,7 +24,13 @@ class Medium(eqx.Module):
     atmosphere: Atmosphere
     planet: AbstractPlanet
     edges: Float[Array, " edge"]
-    cubics: Float[Array, "shell 4 species"]
+    cubics: Float[Array, "species 4 shell"]
+
+    def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
+        """Relative densities at one point in every shell, given as a share of its depth."""
+        c0, c1, c2, c3 = (self.cubics[:, power] for power in range(4))
+        share = share[None, :]
+        return c0 + share * (c1 + share * (c2 + share * c3))
 
     def sight(self) -> tuple[Scalar, Scalar]:
         """How far and how closely rays must be looked at, by what dims them.
@@ -54,5 +60,5 @@ def make_medium(atmosphere: Atmosphere, planet: AbstractPlanet) -> Medium:
     depth = jnp.diff(edges)[:, None]
     density = atmosphere.density(edges[:-1, None] + depth * jnp.asarray(nodes, edges.dtype)[None])
     to_powers = jnp.asarray(np.linalg.inv(np.vander(nodes, 4, increasing=True)), edges.dtype)
-    cubics = jnp.einsum("pn,kns->kps", to_powers, density)
+    cubics = jnp.einsum("pn,kns->spk", to_powers, density)
     return Medium(atmosphere, planet, edges, cubics)

@@ -183,14 +183,16 @@ def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[
     """Column between two distances from a leg's lowest point [m]."""
     planet, edges = medium.planet, medium.edges
     crossings = jnp.clip(planet.to_level(leg.altitude, leg.mu, edges), start, end)
-    at, piece = _in_panels(crossings, 3)
-    altitude = planet.advance(leg.altitude, leg.mu, at)[0]
-    depth = jnp.diff(edges)[:, None]
-    share = (altitude - edges[:-1, None]) / jnp.where(depth > 0, depth, 1.0)
-    c0, c1, c2, c3 = (medium.cubics[:, k][:, None, :] for k in range(4))
-    share = share[..., None]
-    density = c0 + share * (c1 + share * (c2 + share * c3))
-    return jnp.einsum("kn,kns->s", piece, density)
+    depth = jnp.diff(edges)
+    low, width = crossings[:-1], jnp.diff(crossings)
+    total = jnp.zeros(medium.cubics.shape[:1], edges.dtype)
+    # Node by node and shells last: long vectors, where [shell, node, species] would be short ones.
+    for x, w in zip(*gauss(3), strict=True):
+        altitude = planet.advance(leg.altitude, leg.mu, low + float(x) * width)[0]
+        share = (altitude - edges[:-1]) / jnp.where(depth > 0, depth, 1.0)
+        density = medium.density_in_shells(share)
+        total = total + jnp.sum(float(w) * width[None, :] * density, axis=1)
+    return total
 
 
 def _in_panels(edges: Float[Array, " edge"], count: int):
