@@ -59,7 +59,7 @@ class PerezSky(AbstractSkyModel):
         zenith_x: Chromaticity of the zenith.
         zenith_y: Chromaticity of the zenith.
         zenith_luminance: Luminance of the zenith.
-        parameter_name: What the parameter is called.
+        parameter_name: What the parameter is called; empty if nothing was swept.
         parameter_range: Where the parameter is valid; it is held at the ends.
         sun_zenith_range: Suns for which the model was made [rad].
     """
@@ -76,7 +76,8 @@ class PerezSky(AbstractSkyModel):
     @property
     def valid_range(self) -> dict[str, tuple[float, float]]:
         """Range of the swept parameter and of the sun's zenith angle [rad]."""
-        return {self.parameter_name: self.parameter_range, "sun_zenith": self.sun_zenith_range}
+        swept = {self.parameter_name: self.parameter_range} if self.parameter_name else {}
+        return swept | {"sun_zenith": self.sun_zenith_range}
 
     def xyY(
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike

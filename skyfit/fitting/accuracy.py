@@ -1,0 +1,146 @@
+"""How far skies differ in shape, and how well a fit gives known coefficients back."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._typing import as_float
+from ..campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
+from ..models import AbstractSkyModel, preetham_sky
+from ..models.perez import CHANNELS, PerezSky
+from ..models.preetham import published_coefficients
+from .diagnostics import line_with_errors
+from .groups import MAX_VIEW_ZENITH, FitSettings, fit_groups
+from .record import SkyFit
+from .skies import Skies, read_skies
+
+
+if TYPE_CHECKING:
+    pass
+
+
+Sky = Any  # an xarray.Dataset, a SkyFit, a model, or a function from turbidity to a model
+
+
+def shape_error(
+    value: Sky, reference: Sky, *, max_view_zenith: float = float(MAX_VIEW_ZENITH)
+) -> dict[str, float]:
+    """Relative RMS of F / F₀, each value over the zenith's, of one sky against another.
+
+    Every direction, sun and value of the swept parameter counts equally.
+
+    Args:
+        value: A dataset, a `SkyFit`, a sky model, or a function of the parameter that gives one,
+            such as `skyfit.preetham_sky`.
+        reference: The same; relative to it the error is.
+        max_view_zenith: Leave out directions closer to the horizon [rad].
+
+    Returns:
+        For "Y", "x" and "y". The directions are those of the dataset, or of the paper's campaign
+        where both are models.
+
+    Raises:
+        ValueError: A dataset has no zenith direction, or two have different skies.
+    """
+    tables = [read_skies(d, "shape_error") if _is_dataset(d) else None for d in (value, reference)]
+    sampling = tables[1] or tables[0] or paper_skies(preetham_sky)
+    shapes = [
+        _dataset_shape(table, sampling) if table else _model_shape(sky, sampling)
+        for sky, table in zip((value, reference), tables, strict=True)
+    ]
+    inside = sampling.view_zenith <= max_view_zenith + 1e-6
+    error = (shapes[0] / shapes[1] - 1)[:, inside]
+    rms = np.sqrt(np.mean(error**2, axis=-1))
+    return {name: float(rms[CHANNELS.index(name)]) for name in ("Y", "x", "y")}
+
+
+def recovery_error() -> dict[str, float]:
+    """Largest absolute error of the coefficients when the published model is fitted.
+
+    Skies of the published model at the paper's 5 turbidities, 12 suns and 343 directions are
+    fitted jointly from the cold starts of `PerezDistribution`: A -1, B -0.32, C 10, D -3, E 0.45
+    for Y, and A -0.3, B -0.2, C 0.2, D -1.2, E 0.04 for x and y, at every turbidity. Below 1e-9 in
+    float64; float32, where x64 is off, cannot promise better than some percent.
+
+    Returns:
+        For "Y", "x" and "y", over the slopes and intercepts of A to E.
+    """
+    fit = fit_groups(paper_skies(preetham_sky), FitSettings(), "all")
+    published = published_coefficients()
+    errors = {}
+    for name in ("Y", "x", "y"):
+        k = CHANNELS.index(name)
+        nodes = fit.nodes[k, 0]
+        line, _ = line_with_errors(nodes, np.zeros((nodes.size, nodes.size)), fit.dependence)
+        errors[name] = float(np.abs(line - published[k]).max())
+    return errors
+
+
+def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
+    """Skies of a model at the turbidities, suns and directions of the paper's campaign."""
+    view, azimuth = paper_directions()
+    suns, turbidities = np.radians(PAPER_SUN_ZENITHS_DEG), np.array(PAPER_TURBIDITIES)
+    count = turbidities.size * suns.size, view.size
+    grid = (as_float(suns)[:, None], as_float(view)[None], as_float(azimuth)[None])
+    colours = [np.asarray(_colours(model_at(float(t)), *grid), float) for t in turbidities]
+    values = np.moveaxis(np.concatenate(colours), -1, 0)
+    return Skies(
+        parameter_name="turbidity",
+        parameter=np.repeat(turbidities, suns.size),
+        sun_zenith=np.tile(suns, turbidities.size),
+        view_zenith=np.broadcast_to(view, count),
+        relative_azimuth=np.broadcast_to(azimuth, count),
+        values=values,
+        zenith=values[..., 0],
+        shape=(turbidities.size, suns.size),
+    )
+
+
+@eqx.filter_jit
+def _colours(model, sun_zenith, view_zenith, relative_azimuth):
+    return model.xyY(sun_zenith, view_zenith, relative_azimuth)
+
+
+@eqx.filter_jit
+def _relative(model, sun_zenith, view_zenith, relative_azimuth):
+    if isinstance(model, PerezSky):
+        return model.relative(sun_zenith, view_zenith, relative_azimuth)
+    zenith = model.xyY(sun_zenith, jnp.zeros_like(view_zenith), relative_azimuth)
+    return model.xyY(sun_zenith, view_zenith, relative_azimuth) / zenith
+
+
+def _is_dataset(sky: Sky) -> bool:
+    return hasattr(sky, "data_vars")
+
+
+def _dataset_shape(table: Skies, sampling: Skies) -> Float[np.ndarray, "channel sky direction"]:
+    if table.zenith is None:
+        raise ValueError("shape_error: a dataset without a zenith direction has no F / F₀")
+    same = table.view_zenith.shape == sampling.view_zenith.shape and all(
+        np.allclose(getattr(table, name), getattr(sampling, name))
+        for name in ("parameter", "sun_zenith", "view_zenith", "relative_azimuth")
+    )
+    if not same:
+        raise ValueError("shape_error: expected datasets of the same skies and directions")
+    return table.values / table.zenith[..., None]
+
+
+def _model_shape(sky: Sky, sampling: Skies) -> Float[np.ndarray, "channel sky direction"]:
+    shape = np.empty((len(CHANNELS), *sampling.view_zenith.shape))
+    for value in np.unique(sampling.parameter):
+        rows = sampling.parameter == value
+        sun = as_float(sampling.sun_zenith[rows])[:, None]
+        views = as_float(sampling.view_zenith[rows]), as_float(sampling.relative_azimuth[rows])
+        relative = _relative(_model_at(sky, sampling.parameter_name, float(value)), sun, *views)
+        shape[:, rows] = np.moveaxis(np.asarray(relative, float), -1, 0)
+    return shape
+
+
+def _model_at(sky: Sky, name: str | None, value: float) -> AbstractSkyModel:
+    if isinstance(sky, SkyFit):
+        return sky.sky(**({name: value} if sky.parameter_name and name else {}))
+    return sky if isinstance(sky, AbstractSkyModel) else sky(value)

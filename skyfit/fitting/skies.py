@@ -1,0 +1,213 @@
+"""What a fit reads from a sky dataset: values of each channel, sky by sky."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from .._typing import as_float
+from ..angles import view_sun_angle
+from ..models.perez import CHANNELS
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+Weights = Literal["equal", "solid angle"]
+Residuals = Literal["relative", "absolute"]
+
+VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
+# Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
+SUN_DIMENSIONS = ("sun_zenith", "time")
+_ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
+
+
+@dataclass(frozen=True)
+class Skies:
+    """Skies in a row, as NumPy arrays.
+
+    Attributes:
+        parameter_name: What was swept; None if nothing.
+        parameter: Its value for each sky.
+        sun_zenith: [rad].
+        view_zenith: [rad].
+        relative_azimuth: [rad].
+        values: For x, y, Y (in cd m⁻²), all finite.
+        zenith: Values at the zenith; None if no direction is the zenith.
+        shape: Of the dataset's sky dimensions, before they were put in a row.
+    """
+
+    parameter_name: str | None
+    parameter: Float[np.ndarray, " sky"]
+    sun_zenith: Float[np.ndarray, " sky"]
+    view_zenith: Float[np.ndarray, "sky direction"]
+    relative_azimuth: Float[np.ndarray, "sky direction"]
+    values: Float[np.ndarray, "channel sky direction"]
+    zenith: Float[np.ndarray, "channel sky"] | None
+    shape: tuple[int, ...]
+
+    @cached_property
+    def gamma(self) -> Float[np.ndarray, "sky direction"]:
+        """Angle between view and sun [rad]."""
+        sun = as_float(self.sun_zenith)[:, None]
+        angles = (as_float(self.view_zenith), sun, as_float(self.relative_azimuth))
+        return np.asarray(_view_sun_angle(*angles), float)
+
+    @property
+    def parameter_range(self) -> tuple[float, float]:
+        """Smallest and largest value of what was swept."""
+        return float(self.parameter.min()), float(self.parameter.max())
+
+    @property
+    def sun_zenith_range(self) -> tuple[float, float]:
+        """Highest and lowest sun [rad]."""
+        return float(self.sun_zenith.min()), float(self.sun_zenith.max())
+
+    def weights(self, kind: Weights, max_view_zenith: float) -> Float[np.ndarray, "sky direction"]:
+        """Weight of each residual, 0 beyond a view zenith angle [rad].
+
+        "solid angle" gives each direction its share of the band of zenith angles halfway to the
+        next ones, so that a grid's crowded zenith counts no more than the rest of the dome.
+        """
+        # A grid that ends at the limit must not lose its last ring to a rounding error.
+        inside = self.view_zenith <= max_view_zenith + 1e-6
+        if kind == "equal":
+            return inside.astype(float)
+        rows = [np.sqrt(_solid_angles(row)) for row in self.view_zenith]
+        weight = inside * np.stack(rows)
+        return weight / np.sqrt(np.mean(weight[inside] ** 2))
+
+    def groups(self, by: Literal["all", "parameter", "sky"]) -> Int[np.ndarray, "lane sky"]:
+        """Which skies share coefficients; -1 pads a group that is shorter than others."""
+        count = self.parameter.size
+        if by == "all":
+            return np.arange(count)[None]
+        if by == "sky":
+            return np.arange(count)[:, None]
+        members = [np.flatnonzero(self.parameter == value) for value in np.unique(self.parameter)]
+        longest = max(map(len, members))
+        return np.stack([np.pad(m, (0, longest - m.size), constant_values=-1) for m in members])
+
+
+_view_sun_angle = jax.jit(view_sun_angle)
+
+
+def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
+    """Put a dataset's skies in a row and check them.
+
+    Args:
+        data: In the form of `skyfit.dataset`: `luminance`, `x`, `y` (or `radiance`, from which
+            they follow) over `direction` and the sky's dimensions; `view_zenith`,
+            `relative_azimuth`, `sun_zenith`, in radians.
+        caller: Whose argument `data` is, for messages.
+
+    Raises:
+        ValueError: A variable is missing, two parameters are swept, the sun is below the horizon,
+            or a value cannot be fitted: NaN, infinite, or not above 0.
+    """
+    for name in ("view_zenith", "relative_azimuth", "sun_zenith"):
+        if name not in data.variables:
+            raise ValueError(f"{caller}(data=...): expected a variable {name!r}; there is none")
+    channels = _channels(data, caller)
+    dims = tuple(str(d) for d in channels["Y"].dims if d != "direction")
+    swept = [d for d in dims if d not in SUN_DIMENSIONS]
+    if len(swept) > 1:
+        raise ValueError(f"{caller}(data=...): expected one swept dimension; got {swept}")
+    for name in swept:
+        if name not in data.coords:
+            raise ValueError(f"{caller}(data=...): dimension {name!r} has no coordinate values")
+    shape = tuple(channels["Y"].sizes[d] for d in dims)
+    template = channels["Y"].transpose(*dims, "direction")
+
+    def row(variable: "xr.DataArray", *, directions: bool) -> np.ndarray:
+        like = template if directions else template.isel(direction=0)
+        alien = [str(d) for d in variable.dims if d not in like.dims]
+        if alien:
+            raise ValueError(
+                f"{caller}(data=...): {variable.name} has dimensions {alien} that luminance lacks"
+            )
+        array = variable.broadcast_like(like).transpose(*like.dims)
+        return np.asarray(array.values, float).reshape(-1, *like.shape[len(dims) :])
+
+    view = row(data["view_zenith"], directions=True)
+    azimuth = row(data["relative_azimuth"], directions=True)
+    sun = row(data["sun_zenith"], directions=False)
+    values = np.stack([row(channels[name], directions=True) for name in CHANNELS])
+    _refuse_unfit(caller, sun, view, azimuth, values)
+    parameter = row(data[swept[0]], directions=False) if swept else np.zeros(sun.shape)
+    return Skies(
+        parameter_name=swept[0] if swept else None,
+        parameter=parameter,
+        sun_zenith=sun,
+        view_zenith=view,
+        relative_azimuth=azimuth,
+        values=values,
+        zenith=_zenith_values(view, values),
+        shape=shape,
+    )
+
+
+def _channels(data: "xr.Dataset", caller: str) -> dict[str, "xr.DataArray"]:
+    """x, y and Y of a dataset."""
+    missing = [name for name in VARIABLES.values() if name not in data.variables]
+    if not missing:
+        return {channel: data[name] for channel, name in VARIABLES.items()}
+    if "radiance" not in data.variables or "wavelength" not in data.variables:
+        raise ValueError(
+            f"{caller}(data=...): expected the variables {list(VARIABLES.values())}, or radiance "
+            f"over wavelength; {missing} are missing"
+        )
+    from ..colour import spectrum_to_xyY
+
+    light = data["radiance"].transpose(..., "wavelength")
+    xyY = np.asarray(spectrum_to_xyY(jnp.asarray(light.values), data["wavelength"].values))
+    one = light.isel(wavelength=0, drop=True)
+    return {channel: one.copy(data=xyY[..., k]) for k, channel in enumerate(CHANNELS)}
+
+
+def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
+    checked = {"sun_zenith": sun, "view_zenith": view, "relative_azimuth": azimuth}
+    checked |= {VARIABLES[name]: array for name, array in zip(CHANNELS, values, strict=True)}
+    for name, array in checked.items():
+        bad = np.count_nonzero(~np.isfinite(array))
+        if bad:
+            raise ValueError(
+                f"{caller}(data=...): {name} has {bad} non-finite values of {array.size}"
+            )
+    for name in VARIABLES.values():
+        bad = np.count_nonzero(checked[name] <= 0)
+        if bad:
+            raise ValueError(
+                f"{caller}(data=...): {name} must be above 0; {bad} of {checked[name].size} "
+                "values are not"
+            )
+    for name, low, high, words in (
+        ("sun_zenith", 0.0, np.pi / 2, "0 to π/2 rad, the sun above the horizon"),
+        ("view_zenith", 0.0, np.pi, "0 to π rad"),
+        ("relative_azimuth", -2 * np.pi, 2 * np.pi, "-2π to 2π rad"),
+    ):
+        outside = (checked[name] < low - 1e-6) | (checked[name] > high + 1e-6)
+        if outside.any():
+            raise ValueError(
+                f"{caller}(data=...): {name} must lie in {words}; "
+                f"got {checked[name][outside][0]:.6g}"
+            )
+
+
+def _zenith_values(view, values):
+    """Mean of the directions at the zenith, if every sky has one."""
+    at = view <= _ZENITH
+    if not at.any(axis=1).all():
+        return None
+    return (values * at).sum(axis=-1) / at.sum(axis=-1)
+
+
+def _solid_angles(view: Float[np.ndarray, " direction"]) -> Float[np.ndarray, " direction"]:
+    rings, ring, count = np.unique(view, return_inverse=True, return_counts=True)
+    edges = np.concatenate([[0.0], 0.5 * (rings[1:] + rings[:-1]), [max(np.pi / 2, rings[-1])]])
+    return (-np.diff(np.cos(edges)) / count)[ring]

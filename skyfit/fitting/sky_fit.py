@@ -1,0 +1,201 @@
+"""From a sky dataset to a sky model: `fit_sky`."""
+
+import dataclasses
+from typing import TYPE_CHECKING, NamedTuple
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from .._typing import as_float
+from ..models.perez import CHANNELS, COEFFICIENTS
+from .diagnostics import (
+    Diagnostics,
+    condition_number,
+    covariance,
+    jacobians,
+    line_with_errors,
+    loose_combinations,
+)
+from .groups import MAX_VIEW_ZENITH, PRIOR, BatchFit, FitSettings, Starts, fit_groups
+from .record import SkyFit, TwoStage, plain, versions
+from .shape import shape_residuals
+from .skies import Residuals, Skies, Weights, read_skies
+from .zenith import ZenithFit, fit_zenith_chromaticity, fit_zenith_luminance
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def fit_sky(
+    data: "xr.Dataset",
+    *,
+    weights: Weights = "equal",
+    residuals: Residuals = "relative",
+    max_view_zenith: float = float(MAX_VIEW_ZENITH),
+    prior: float = PRIOR,
+    starts: Starts | None = None,
+) -> SkyFit:
+    """Fit Perez's formula to the luminance and chromaticity of skies.
+
+    For each of x, y and Y the ten numbers of five coefficients linear in the swept parameter are
+    fitted to all skies at once by Levenberg-Marquardt; then the zenith's luminance and
+    chromaticity over the sun and the parameter. For comparison `SkyFit.two_stage` has what
+    Preetham et al. (1999) describe: five coefficients for each value of the parameter, and a line
+    through them.
+
+    Where no direction is the zenith, each sky's zenith value is a free parameter.
+
+    Args:
+        data: Skies in the contract's form (see `skyfit.dataset`), simulated or measured.
+        weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
+        residuals: "relative" (model / data - 1) or "absolute" (over the RMS of the data).
+        max_view_zenith: Leave out directions closer to the horizon [rad].
+        prior: Multiplies the loss by 1 + prior |u - u₀|², u being the free coordinates of
+            `PerezDistribution` and u₀ the first of its starts: what the skies do not determine
+            stays near it, and perfect data are fitted perfectly.
+        starts: Coefficients A to E to start from, by channel.
+
+    Returns:
+        Coefficients, their standard errors, and what a sceptic asks of them.
+
+    Raises:
+        ValueError: The data are incomplete or cannot be fitted; an unknown choice.
+    """
+    settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
+    skies = read_skies(data)
+    joint = fit_groups(skies, settings, "all")
+    lines, errors, diagnostics = _read_joint(joint, skies)
+    zenith = _zenith(skies, joint)
+    return SkyFit(
+        coefficients=lines,
+        standard_errors=errors,
+        zenith={name: fit.numbers for name, fit in zenith.items()},
+        zenith_standard_errors={name: fit.standard_errors for name, fit in zenith.items()},
+        zenith_rms={name: fit.rms for name, fit in zenith.items()},
+        parameter_name=skies.parameter_name,
+        parameter_range=skies.parameter_range if skies.parameter_name else None,
+        sun_zenith_range=skies.sun_zenith_range,
+        diagnostics=diagnostics,
+        two_stage=_two_stage(skies, settings, joint),
+        settings=plain(dataclasses.asdict(settings)),
+        provenance={"data": plain(dict(data.attrs)), "versions": versions()},
+    )
+
+
+class EachSky(NamedTuple):
+    """Five coefficients for every sky by itself.
+
+    Attributes:
+        coefficients: A to E for x, y, Y over the dataset's sky dimensions.
+        rms: Root mean square of each fit's weighted residuals.
+        converged: The solver's word.
+        starts: How many starts each fit took.
+    """
+
+    coefficients: Float[np.ndarray, "channel *sky coefficient"]
+    rms: Float[np.ndarray, "channel *sky"]
+    converged: Bool[np.ndarray, "channel *sky"]
+    starts: Int[np.ndarray, "channel *sky"]
+
+
+def fit_each_sky(
+    data: "xr.Dataset",
+    *,
+    weights: Weights = "equal",
+    residuals: Residuals = "relative",
+    max_view_zenith: float = float(MAX_VIEW_ZENITH),
+    starts: Starts | None = None,
+) -> EachSky:
+    """Fit Perez's five coefficients to every sky by itself: the best the formula can do.
+
+    All skies and channels are fitted side by side, from three starts each; those that did not
+    converge, or whose lowest loss only one start reached, from three more. There is no prior: badly
+    determined coefficients are to be expected, within the bounds of `PerezDistribution`.
+
+    Args:
+        data: As for `fit_sky`.
+        weights: As for `fit_sky`.
+        residuals: As for `fit_sky`.
+        max_view_zenith: As for `fit_sky` [rad].
+        starts: Coefficients A to E to start from first, by channel.
+    """
+    settings = FitSettings(weights, residuals, max_view_zenith, 0.0, starts)
+    skies = read_skies(data, "fit_each_sky")
+    fit = fit_groups(skies, settings, "sky", first=4)
+    shape = (len(CHANNELS), *skies.shape)
+    return EachSky(
+        fit.nodes.reshape(*shape, len(COEFFICIENTS)),
+        fit.rms.reshape(shape),
+        fit.converged.reshape(shape),
+        fit.starts.reshape(shape),
+    )
+
+
+def _read_joint(joint: BatchFit, skies: Skies):
+    """Lines, standard errors and diagnostics of each channel."""
+    distribution, dependence = joint.problem.distribution, joint.dependence
+    found = jacobians(joint.solution.free, joint.problem)
+    by_node, by_free, residuals = (np.asarray(x, float) for x in found)
+    places = _places(skies, dependence.num_nodes)
+    lines, errors, diagnostics = {}, {}, {}
+    for k, name in enumerate(CHANNELS):
+        residual = residuals[k]
+        lines[name], errors[name] = line_with_errors(
+            joint.nodes[k, 0], covariance(by_node[k], residual), dependence
+        )
+        diagnostics[name] = Diagnostics(
+            rms=float(joint.rms[k, 0]),
+            worst=float(np.abs(residual).max()),
+            condition=condition_number(by_node[k]),
+            unidentified=loose_combinations(covariance(by_free[k], residual), distribution, places),
+            converged=bool(joint.converged[k, 0]),
+            steps=int(joint.solution.steps[k]),
+        )
+    return lines, errors, diagnostics
+
+
+def _places(skies: Skies, num_nodes: int) -> tuple[str, ...]:
+    if num_nodes == 1:
+        return ("",)
+    return tuple(f"{skies.parameter_name} {end:g}" for end in skies.parameter_range)
+
+
+def _two_stage(skies: Skies, settings: FitSettings, joint: BatchFit) -> dict[str, TwoStage] | None:
+    """Five coefficients for each value of the parameter, then a line through them."""
+    values = np.unique(skies.parameter)
+    if values.size < 2:
+        return None
+    fit = fit_groups(skies, settings, "parameter")
+    table = fit.nodes[:, :, 0]
+    lines = np.stack([np.polyfit(values, rows, 1).T for rows in table])
+    ends = np.stack([skies.parameter_range, (1.0, 1.0)])
+    nodes = np.swapaxes(lines @ ends, 1, 2)
+    residuals, _ = (np.asarray(x, float) for x in _evaluate(as_float(nodes), joint.problem))
+    count = np.count_nonzero(np.asarray(joint.problem.weight), axis=(1, 2))
+    rms = np.sqrt((residuals**2).sum((1, 2)) / count)
+    return {
+        name: TwoStage(values, table[k], lines[k], fit.rms[k], float(rms[k]))
+        for k, name in enumerate(CHANNELS)
+    }
+
+
+def _zenith(skies: Skies, joint: BatchFit) -> dict[str, ZenithFit]:
+    """Fits of the zenith values: the skies' own, or those that their shapes imply."""
+    values = skies.zenith
+    if values is None:
+        _, implied = _evaluate(as_float(joint.nodes[:, 0]), joint.problem)
+        values = np.asarray(implied, float)
+    fits = {}
+    for name, value in zip(CHANNELS, values, strict=True):
+        fit = fit_zenith_luminance if name == "Y" else fit_zenith_chromaticity
+        fits[name] = fit(skies.parameter, skies.sun_zenith, value)
+    return fits
+
+
+@eqx.filter_jit
+def _evaluate(nodes, problem):
+    """Residuals and zenith values of a batch at given coefficients."""
+    return jax.vmap(shape_residuals)(nodes, problem)

@@ -1,0 +1,135 @@
+"""Fits of the zenith's luminance and chromaticity over the sun and the swept parameter."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jaxtyping import Array, Float
+
+from .._typing import as_float
+from ..models.preetham import ZENITH_ANGLE
+from .diagnostics import covariance
+from .solver import NormalEquationsLM
+
+
+class ZenithFit(NamedTuple):
+    """Numbers of a zenith formula, their standard errors, and the relative RMS of the fit."""
+
+    numbers: dict[str, Float[np.ndarray, "..."]]
+    standard_errors: dict[str, Float[np.ndarray, "..."]]
+    rms: float
+
+
+def fit_zenith_chromaticity(
+    parameter: Float[np.ndarray, " sky"],
+    sun_zenith: Float[np.ndarray, " sky"],
+    value: Float[np.ndarray, " sky"],
+) -> ZenithFit:
+    """Fit the matrix of `CubicZenith` by linear least squares of relative residuals.
+
+    Powers that the skies cannot tell apart are left out: there are at most as many powers of the
+    parameter, or of the sun's zenith angle, as it has values. Their entries are 0.
+
+    Args:
+        parameter: What was swept.
+        sun_zenith: [rad].
+        value: x or y of the zenith.
+    """
+    powers = min(3, np.unique(parameter).size), min(4, np.unique(sun_zenith).size)
+    along_parameter = np.vander(parameter, 3)[:, 3 - powers[0] :]
+    along_sun = np.vander(sun_zenith, 4)[:, 4 - powers[1] :]
+    terms = (along_parameter[:, :, None] * along_sun[:, None, :]).reshape(value.size, -1)
+    solution, errors, residual = _linear(terms / value[:, None], np.ones_like(value))
+    matrix, spread = np.zeros((3, 4)), np.zeros((3, 4))
+    matrix[3 - powers[0] :, 4 - powers[1] :] = solution.reshape(powers)
+    spread[3 - powers[0] :, 4 - powers[1] :] = errors.reshape(powers)
+    return ZenithFit({"matrix": matrix}, {"matrix": spread}, _rms(residual))
+
+
+def fit_zenith_luminance(
+    parameter: Float[np.ndarray, " sky"],
+    sun_zenith: Float[np.ndarray, " sky"],
+    value: Float[np.ndarray, " sky"],
+) -> ZenithFit:
+    """Fit the numbers of `TangentZenith` by Levenberg-Marquardt on relative residuals.
+
+    All six are free: a, b, c, d, in which the formula is linear, and p, q inside the tangent, whose
+    argument is kept between 0 and π/2. Where nothing was swept a, c and q are 0. With two suns p
+    keeps the published 4/9, with one only the constant is left.
+
+    Args:
+        parameter: What was swept.
+        sun_zenith: [rad].
+        value: Luminance of the zenith [cd m⁻²].
+    """
+    ends = np.unique([parameter.min(), parameter.max()])
+    share = np.interp(parameter, ends, np.linspace(0, 1, ends.size))
+    basis = np.stack([1 - share, share], axis=1)[:, : ends.size]
+    suns = np.unique(sun_zenith).size
+    determined = np.repeat([suns > 1, True, suns > 2], ends.size).astype(float)
+    # The published angle, at turbidities for which it was made.
+    angle = np.polyval(ZENITH_ANGLE[::-1], np.clip(ends, 2, 6)) if ends.size > 1 else [4 / 9]
+    tangent = np.tan(basis @ angle * (np.pi - 2 * sun_zenith))
+    scale = np.mean(value)
+    terms = np.concatenate([tangent[:, None] * basis, basis], axis=1) / (value / scale)[:, None]
+    linear, *_ = np.linalg.lstsq(terms * determined[: terms.shape[1]], np.ones_like(value))
+    start = np.concatenate([linear, np.log(2 * np.array(angle) / (1 - 2 * np.array(angle)))])
+    args = tuple(map(as_float, (basis, sun_zenith, value / scale, determined, start)))
+    free, jacobian, residual = (np.asarray(x, float) for x in _solve_tangent(args[-1], args))
+
+    def numbers(free):
+        tangents, constants, angles = free.reshape(3, -1)
+        nodes = jnp.stack([scale * tangents, scale * constants, 0.5 * jax.nn.sigmoid(angles)])
+        return jnp.asarray(_line(ends), nodes.dtype) @ nodes.T
+
+    fitted = np.asarray(numbers(as_float(free)), float)
+    change = np.asarray(jax.jacfwd(numbers)(as_float(free)), float)
+    spread = np.sqrt(np.einsum("ijk,kl,ijl->ij", change, covariance(jacobian, residual), change))
+    return ZenithFit(*map(_tangent_numbers, (fitted, spread)), rms=_rms(residual))
+
+
+def _tangent_numbers(table):
+    """a, b, c, d and p, q from (slope, intercept) of the three coefficients."""
+    (a, c, q), (b, d, p) = table
+    return {"linear": np.array([a, b, c, d]), "angle": np.array([p, q])}
+
+
+def _line(ends: Float[np.ndarray, " node"]) -> Float[np.ndarray, "2 node"]:
+    """Slope and intercept from the values at one or two ends."""
+    if ends.size == 1:
+        return np.array([[0.0], [1.0]])
+    return np.linalg.inv(np.stack([ends, np.ones(2)], axis=1))
+
+
+def _tangent_residuals(free, args):
+    basis, sun_zenith, value, determined, start = args
+    free = determined * free + (1 - determined) * start
+    tangents, constants, angles = free.reshape(3, -1)
+    chi = basis @ (0.5 * jax.nn.sigmoid(angles)) * (jnp.pi - 2 * sun_zenith)
+    return (basis @ tangents * jnp.tan(chi) + basis @ constants) / value - 1
+
+
+@eqx.filter_jit
+def _solve_tangent(start: Float[Array, " free"], args):
+    precision = float(jnp.finfo(start.dtype).eps)
+    solver = NormalEquationsLM(rtol=precision, atol=precision)
+    solution = optx.least_squares(
+        _tangent_residuals, solver, start, args, max_steps=256, throw=False
+    )
+    jacobian = jax.jacfwd(_tangent_residuals)(solution.value, args)
+    return solution.value, jacobian, _tangent_residuals(solution.value, args)
+
+
+def _linear(terms, target):
+    """Least squares with columns of unit length: solution, its standard errors, residuals."""
+    length = np.linalg.norm(terms, axis=0)
+    solution, *_ = np.linalg.lstsq(terms / length, target)
+    residual = terms @ (solution / length) - target
+    return solution / length, np.sqrt(np.diag(covariance(terms, residual))), residual
+
+
+def _rms(residual):
+    return float(np.sqrt(np.mean(residual**2)))
