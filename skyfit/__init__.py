@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from .measurements import cornell_skies as cornell_skies
     from .models import preetham_sky as preetham_sky
     from .preetham_air import preetham_atmosphere as preetham_atmosphere
-    from .report import reproduce as reproduce
+    from .report.coefficients import coefficient_table as coefficient_table
+    from .report.pipeline import reproduce as reproduce
     from .runner import run_campaign as run_campaign
     from .transfer.simulate_sky import simulate as simulate
 
@@ -42,7 +43,8 @@ _NAMES = {
     "measurements": ("cornell_skies",),
     "models": ("preetham_sky",),
     "preetham_air": ("preetham_atmosphere",),
-    "report": ("reproduce",),
+    "report.coefficients": ("coefficient_table",),
+    "report.pipeline": ("reproduce",),
     "runner": ("run_campaign",),
     "transfer.simulate_sky": ("simulate",),
 }

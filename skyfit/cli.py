@@ -221,16 +221,32 @@ def _print_coefficients(table: dict[str, Any]) -> None:
 def _print_report(report: dict[str, Any], out: Path) -> None:
     from rich.table import Table
 
-    rows = Table(title="A Practical Analytic Model for Daylight, reproduced")
-    rows.add_column("claim")
-    rows.add_column("verdict")
-    rows.add_column("figure")
+    channels = ("Y", "x", "y")
+    shapes = Table(title="A Practical Analytic Model for Daylight, reproduced")
+    shapes.add_column("")
+    for channel in channels:
+        shapes.add_column(channel, justify="right")
+    recovered = [f"{report['recovery_error'][channel]:.0e}" for channel in channels]
+    shapes.add_row("published coefficients recovered within", *recovered)
+    for pair in ("refit_vs_simulation", "published_vs_simulation", "refit_vs_published"):
+        errors = [f"{100 * report['shape_error'][channel][pair]:.1f} %" for channel in channels]
+        shapes.add_row(f"shape, {pair.replace('_vs_', ' against ')}", *errors)
+    sky = Table(title="Measured skies")
+    for title in ("model", "RMSE [mW/(m² sr nm)]", "luminance / measured"):
+        sky.add_column(title, justify="right" if sky.columns else "left")
+    cornell = report["cornell"]
+    for name, error in cornell["rmse_mW_m-2_sr-1_nm-1"].items():
+        sky.add_row(name, f"{error:.1f}", f"{cornell['luminance_ratio'][name]:.2f}")
+    claims = Table(title="Claims")
+    claims.add_column("")
+    claims.add_column("verdict")
     for claim in report["claims"]:
-        rows.add_row(claim["claim"], claim["verdict"], claim["figure"])
-    spent = ", ".join(f"{stage} {seconds:.1f} s" for stage, seconds in report["seconds"].items())
+        claims.add_row(claim["id"].replace("_", " "), claim["verdict"])
     console = _console()
-    console.print(rows)
-    console.print(f"{spent}", soft_wrap=True)
+    for table in (shapes, sky, claims):
+        console.print(table)
+    spent = ", ".join(f"{stage} {seconds:.1f} s" for stage, seconds in report["seconds"].items())
+    console.print(spent, soft_wrap=True)
     console.print(f"report: {out / 'report.html'}", soft_wrap=True)
 
 

@@ -90,7 +90,7 @@ def test_an_interrupted_simulation_says_how_to_go_on_and_does(
         (["fit", "none.zarr", "--out", "fit.json"], "none.zarr: not found"),
         (["fit", "{campaign}", "--out", "fit.json"], "expected a name ending in .zarr or .nc"),
         (["fit", "none.zarr", "--out", "{campaign}"], "small.toml exists already"),
-        (["reproduce", "--out", "{campaign}"], "small.toml: exists and is not"),
+        (["reproduce", "--out", "{campaign}"], "small.toml: exists and is not a directory"),
         (["paint"], "No such command 'paint'"),
     ],
 )

@@ -17,6 +17,7 @@ PUBLIC = {
     "Constituent",
     "PaperAtmosphere",
     "SkyFit",
+    "coefficient_table",
     "cornell_skies",
     "fit_sky",
     "load_campaign",

@@ -71,20 +71,15 @@ class Reality:
 
 
 def compare_with_cornell(
-    models: Mapping[str, AbstractSkyModel], template: Campaign, workers: int
+    models: Mapping[str, AbstractSkyModel], simulation: np.ndarray | None = None
 ) -> Reality:
-    """Set models, and a simulation of the paper's atmosphere, beside the measured skies.
-
-    The simulation takes the directions of `template` and is interpolated between them. Below 380 nm
-    the paper's tables are held at their ends.
+    """Set models, and a simulation, beside the measured skies.
 
     Args:
         models: By name, at the day's turbidity.
-        template: Its directions, orders, geometry and quality are simulated.
-        workers: Threads.
+        simulation: From `simulate_cornell`.
     """
-    skies = cornell_skies()
-    skies = skies.isel(direction=skies["reliable"].values)
+    skies = _reliable_skies()
     angles = [
         np.broadcast_to(angle, skies["relative_azimuth"].shape)
         for angle in (
@@ -94,17 +89,26 @@ def compare_with_cornell(
         )
     ]
     modelled = {name: _radiance(model, *angles) for name, model in models.items()}
-    modelled["simulated"] = _simulated(skies, template, workers)
+    if simulation is not None:
+        modelled["simulated"] = simulation
     measured = skies["radiance"].interp(wavelength=WAVELENGTHS).values
     return Reality(skies, measured, modelled)
 
 
-def _radiance(model: AbstractSkyModel, *angles: np.ndarray) -> np.ndarray:
-    ask = eqx.filter_jit(lambda one, *where: one.radiance(*where, as_float(WAVELENGTHS)))
-    return np.asarray(ask(model, *map(as_float, angles)))
+def simulate_cornell(template: Campaign, workers: int = 1) -> np.ndarray:
+    """Simulate the paper's atmosphere under the measured suns.
 
+    The directions of the campaign are simulated and interpolated between. Below 380 nm the paper's
+    tables are held at their ends.
 
-def _simulated(skies: xr.Dataset, template: Campaign, workers: int) -> np.ndarray:
+    Args:
+        template: Its directions, atmosphere, orders, geometry and quality are taken.
+        workers: Threads.
+
+    Returns:
+        [time, direction, wavelength] in W m⁻² sr⁻¹ nm⁻¹.
+    """
+    skies = _reliable_skies()
     suns = skies["sun_zenith"].values
     campaign = Campaign(
         turbidity=TURBIDITY,
@@ -126,3 +130,13 @@ def _simulated(skies: xr.Dataset, template: Campaign, workers: int) -> np.ndarra
         for number, values in enumerate(np.log(sky.values).T):
             light[time, :, number] = np.exp(on_dome(*axes, values)(view, azimuth))
     return light
+
+
+def _reliable_skies() -> xr.Dataset:
+    skies = cornell_skies()
+    return skies.isel(direction=skies["reliable"].values)
+
+
+def _radiance(model: AbstractSkyModel, *angles: np.ndarray) -> np.ndarray:
+    ask = eqx.filter_jit(lambda one, *where: one.radiance(*where, as_float(WAVELENGTHS)))
+    return np.asarray(ask(model, *map(as_float, angles)))

@@ -15,7 +15,7 @@ from .._typing import as_float
 from ..models import AbstractSkyModel
 
 
-Source = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
+Source = Callable[[float | np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 def grid_axes(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -75,7 +75,7 @@ def simulated(dataset: xr.Dataset, turbidity: float) -> Source:
     one = dataset.sel(turbidity=turbidity)
 
     def source(
-        sun_zenith: float, view_zenith: np.ndarray, relative_azimuth: np.ndarray
+        sun_zenith: float | np.ndarray, view_zenith: np.ndarray, relative_azimuth: np.ndarray
     ) -> np.ndarray:
         sky = one.sel(sun_zenith=sun_zenith, method="nearest", tolerance=1e-9)
         x, y = (on_dome(*axes, sky[name].values) for name in ("x", "y"))
@@ -90,7 +90,7 @@ def modelled(model: AbstractSkyModel) -> Source:
     """A sky model as a source."""
 
     def source(
-        sun_zenith: float, view_zenith: np.ndarray, relative_azimuth: np.ndarray
+        sun_zenith: float | np.ndarray, view_zenith: np.ndarray, relative_azimuth: np.ndarray
     ) -> np.ndarray:
         sun = np.full_like(view_zenith, sun_zenith)
         return np.asarray(_xyY(model, *map(as_float, (sun, view_zenith, relative_azimuth))))

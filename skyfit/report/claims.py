@@ -1,0 +1,161 @@
+"""The paper's claims, each with what was found here. Verdicts follow from the numbers alone."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+CHANNELS = ("Y", "x", "y")
+RECOVERED = 1e-9  # a fit that ends in rounding errors gives back what it was made from
+# The paper says "well" and "badly" without numbers; these bounds are this report's.
+WELL, ROUGHLY = 0.02, 0.15
+SAME_ZENITH = 0.1
+PAPER_HOURS = 600  # of one processor in 1999, section 3.2
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim.
+
+    Attributes:
+        id: Short name.
+        claim: What is claimed, in a sentence.
+        verdict: "holds", "holds roughly", "does not hold" or "for the record".
+        figure: The numbers behind the verdict.
+    """
+
+    id: str
+    claim: str
+    verdict: str
+    figure: str
+
+
+def judge(record: dict[str, Any]) -> list[Claim]:
+    """Set every claim beside the numbers of a report, before its own `claims` are in."""
+    return [
+        _recovery(record["recovery_error"]),
+        _luminance_form(record["shape_error"]),
+        _chromaticity_form(record["shape_error"]),
+        _tristimulus(record["tristimulus"]),
+        _published_shape(record["shape_error"], record["published_within_two_errors"]),
+        _zenith_luminance(record["zenith_ratio"]),
+        _zenith_colour(record["zenith_difference"]),
+        _real_sky(record["cornell"]),
+        _effort(record["seconds"], record["campaign"]),
+    ]
+
+
+def percent(share: float) -> str:
+    """A share as per cent, with two digits."""
+    return f"{100 * share:.2g} %" if abs(share) < 0.1 else f"{100 * share:.0f} %"
+
+
+def _recovery(errors: dict[str, float]) -> Claim:
+    worst = max(errors.values())
+    return Claim(
+        "recovery",
+        "Fitted to skies of the published model, the fit gives the published coefficients back",
+        "holds" if worst <= RECOVERED else "does not hold",
+        "largest error " + ", ".join(f"{name} {errors[name]:.1e}" for name in CHANNELS),
+    )
+
+
+def _graded(error: float) -> str:
+    if error <= WELL:
+        return "holds"
+    return "holds roughly" if error <= ROUGHLY else "does not hold"
+
+
+def _luminance_form(errors: dict[str, dict[str, float]]) -> Claim:
+    error = errors["Y"]["refit_vs_simulation"]
+    return Claim(
+        "luminance_form",
+        "Five coefficients, linear in turbidity and the same for every sun, describe the luminance",
+        _graded(error),
+        f"best fit {percent(error)} RMS from the simulation",
+    )
+
+
+def _chromaticity_form(errors: dict[str, dict[str, float]]) -> Claim:
+    x, y = (errors[name]["refit_vs_simulation"] for name in ("x", "y"))
+    return Claim(
+        "chromaticity_form",
+        "The same form describes the chromaticities x and y well",
+        _graded(max(x, y)),
+        f"best fit {percent(x)} (x) and {percent(y)} (y) RMS from the simulation",
+    )
+
+
+def _tristimulus(comparison: dict[str, dict[str, float]]) -> Claim:
+    errors, colour = comparison["shape_error"], comparison["chromaticity_rms"]
+    detour, direct = colour["from X, Y, Z"], colour["from x, y"]
+    return Claim(
+        "tristimulus",
+        "It describes the tristimulus values X and Z badly, which is why x and y are fitted",
+        "holds" if detour > 2 * direct else "does not hold",
+        f"best fits {percent(errors['X'])} (X), {percent(errors['Z'])} (Z) RMS; chromaticity off "
+        f"by {detour:.4f} by way of X, Y, Z and by {direct:.4f} from x, y",
+    )
+
+
+def _published_shape(errors: dict[str, dict[str, float]], within: tuple[int, int]) -> Claim:
+    published = [errors[name]["published_vs_simulation"] for name in CHANNELS]
+    best = [errors[name]["refit_vs_simulation"] for name in CHANNELS]
+    agrees = all(p <= 1.5 * b for p, b in zip(published, best, strict=True))
+    pairs = ", ".join(
+        f"{name} {percent(p)} against {percent(b)}"
+        for name, p, b in zip(CHANNELS, published, best, strict=True)
+    )
+    return Claim(
+        "published_coefficients",
+        "The published coefficients are the best fit to the skies the paper describes, as rebuilt "
+        "here",
+        "holds" if agrees else "does not hold",
+        f"RMS of the published against the best fit: {pairs}; {within[0]} of {within[1]} numbers "
+        "within two standard errors",
+    )
+
+
+def _zenith_luminance(ratio: dict[str, float]) -> Claim:
+    median = ratio["median"]
+    return Claim(
+        "zenith_luminance",
+        "The published zenith luminance is that of the simulated skies",
+        "holds" if abs(median - 1) <= SAME_ZENITH else "does not hold",
+        f"published over simulated {ratio['lowest']:.2f} to {ratio['highest']:.2f}, median "
+        f"{median:.2f}",
+    )
+
+
+def _zenith_colour(difference: dict[str, float]) -> Claim:
+    x, y = difference["x"], difference["y"]
+    return Claim(
+        "zenith_chromaticity",
+        "The published zenith chromaticity is that of the simulated skies",
+        "holds" if max(abs(x), abs(y)) <= 0.005 else "does not hold",
+        f"published less simulated, mean: x {x:+.3f}, y {y:+.3f}",
+    )
+
+
+def _real_sky(cornell: dict[str, Any]) -> Claim:
+    ratio, error = cornell["luminance_ratio"], cornell["rmse_mW_m-2_sr-1_nm-1"]
+    close = abs(np.log(ratio["published"])) <= np.log(1.25)
+    return Claim(
+        "measured_sky",
+        f"The published model is realistic: a measured day of turbidity {cornell['turbidity']}",
+        "holds" if close else "does not hold",
+        "luminance over the measured and RMSE in mW m⁻² sr⁻¹ nm⁻¹: "
+        + ", ".join(f"{name} {ratio[name]:.2f} and {error[name]:.0f}" for name in ratio),
+    )
+
+
+def _effort(seconds: dict[str, float], campaign: dict[str, Any]) -> Claim:
+    skies = len(campaign["turbidity"]) * len(campaign["sun_zenith"])
+    return Claim(
+        "computing_time",
+        f"Simulating the skies takes {PAPER_HOURS} hours of processor time",
+        "for the record",
+        f"{skies} skies in {seconds['simulate']:.0f} s, and {seconds['compile']:.0f} s of "
+        "compiling in all",
+    )

@@ -1,0 +1,108 @@
+"""Which pictures a report has, and what their captions say."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..fitting import SkyFit
+from ..models import preetham_sky
+from . import style
+from .charts import chromaticity_sections, luminance_sections, zenith_chart
+from .coefficients import coefficient_chart
+from .domes import dome_gallery, error_maps
+from .reality import Reality
+from .reality_chart import reality_chart
+from .skies import Source, grid_axes, modelled, simulated
+
+
+ERROR_SCALE = 3.0  # end of the colour scale of error maps: three times too bright
+
+
+def draw_pictures(
+    directory: Path,
+    dataset: xr.Dataset,
+    fit: SkyFit,
+    reality: Reality,
+    progress: Callable[[int, int], None],
+) -> dict[str, tuple[Path, str]]:
+    """Draw all pictures into a directory.
+
+    Args:
+        directory: Where the PNG files go.
+        dataset: Simulated skies, directions on a half dome with the zenith.
+        fit: Their fit.
+        reality: The comparison with measured skies.
+        progress: Called as `progress(done, total)`.
+
+    Returns:
+        By name, the file and its caption.
+    """
+    turbidities = [float(t) for t in dataset["turbidity"].values]
+    sources = {t: _sources(dataset, fit, t) for t in turbidities}
+    suns = dataset["sun_zenith"].values
+    chosen = [float(suns[k]) for k in _spread(suns.size, 3)]
+    middle = turbidities[len(turbidities) // 2]
+    clear = turbidities[len(turbidities) // 3]
+    few = sorted({turbidities[0], middle, turbidities[-1]})
+    ends = {t: sources[t] for t in (turbidities[0], turbidities[-1])}
+    step = float(grid_axes(dataset)[0][1])
+    truth = sources[clear]["simulated"]
+    models = {name: sources[clear][name] for name in ("refit", "published")}
+    fine = np.linspace(suns[0], suns[-1], 45)
+    plan = {
+        "coefficients": (
+            lambda: coefficient_chart(fit),
+            "Coefficients over turbidity. The band takes the errors at both ends of the range as "
+            "independent. Points: the paper's way, each turbidity fitted by itself.",
+        ),
+        "luminance_sections": (
+            lambda: luminance_sections(ends, chosen, step),
+            "Luminance through the sun and the zenith; the grey line marks the sun.",
+        ),
+        "chromaticity_sections": (
+            lambda: chromaticity_sections(sources[middle], middle, chosen, step),
+            f"Chromaticity through the sun and the zenith at turbidity {middle:g}.",
+        ),
+        "domes": (
+            lambda: dome_gallery(sources[clear], chosen),
+            f"Whole skies at turbidity {clear:g}, the zenith in the middle, the sun's side up. "
+            "Each sun has its own scale and exposure, the same for the three skies.",
+        ),
+        "error_maps": (
+            lambda: error_maps(truth, models, chosen, ERROR_SCALE),
+            f"Luminance of refit and published model over the simulated, turbidity {clear:g}. The "
+            "fit leaves out the last 5° above the horizon.",
+        ),
+        "zenith": (
+            lambda: zenith_chart({t: sources[t] for t in few}, suns, fine),
+            "Luminance and chromaticity of the zenith over the sun's zenith angle.",
+        ),
+        "cornell": (
+            lambda: reality_chart(reality),
+            "Measured skies: luminance in each direction under the lowest sun, mean spectrum over "
+            "directions and times, error over the day.",
+        ),
+    }
+    pictures = {}
+    for done, (name, (draw, caption)) in enumerate(plan.items()):
+        progress(done, len(plan))
+        path = directory / f"{name}.png"
+        path.write_bytes(style.png(draw()))
+        pictures[name] = (path, caption)
+    progress(len(plan), len(plan))
+    return pictures
+
+
+def _sources(dataset: xr.Dataset, fit: SkyFit, turbidity: float) -> dict[str, Source]:
+    return {
+        "simulated": simulated(dataset, turbidity),
+        "refit": modelled(fit.sky(turbidity=turbidity)),
+        "published": modelled(preetham_sky(turbidity)),
+    }
+
+
+def _spread(count: int, wanted: int) -> list[int]:
+    """Places in a row of so many, from about its first third to its last."""
+    return sorted({round(k) for k in np.linspace((count - 1) / 3, count - 1, wanted)})

@@ -1,0 +1,162 @@
+"""The paper's pipeline from end to end: `reproduce`."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ..campaign import Campaign
+from ..dataset import save_dataset, versions
+from ..fitting import SkyFit, fit_sky, recovery_error, shape_error
+from ..models import preetham_sky
+from ..runner import run_campaign
+from . import style
+from .claims import judge
+from .clock import Clock
+from .coefficients import coefficient_table, within_errors, zenith_record
+from .directory import SCHEMA, claim_directory
+from .page import write_page
+from .pictures import draw_pictures
+from .reality import TURBIDITY, compare_with_cornell, simulate_cornell
+from .sentences import notes
+from .skies import modelled
+from .tristimulus import tristimulus_comparison
+
+
+Progress = Callable[[str, int, int], None]
+
+
+def reproduce(
+    out: str | PathLike[str] = "skyfit-report",
+    progress: Progress | None = None,
+    *,
+    campaign: Campaign | None = None,
+    workers: int = 1,
+) -> dict[str, Any]:
+    """Simulate, fit, compare and report, as Preetham et al. (1999) went about it.
+
+    Writes into `out`: report.html (needs nothing else), report.json, figures/, the simulated skies
+    sky.nc and the fit fit.json.
+
+    Args:
+        out: Directory; made if absent, renewed if it holds a report.
+        progress: Called as `progress(stage, done, total)`.
+        campaign: The paper's by default. Its directions must be a half dome with the zenith, its
+            turbidities two or more.
+        workers: Threads that simulate side by side.
+
+    Returns:
+        What report.json holds.
+
+    Raises:
+        ValueError: `out` holds something else; the campaign cannot be fitted.
+    """
+    directory = claim_directory(out)
+    tell = progress or (lambda stage, done, total: None)
+    plan = Campaign() if campaign is None else campaign
+    clock = Clock()
+    with clock.stage("fit"):
+        tell("recovery check", 0, 1)
+        recovery = recovery_error()
+        tell("recovery check", 1, 1)
+    with clock.stage("simulate"):
+        dataset = run_campaign(
+            plan, lambda done, total: tell("simulating skies", done, total), workers=workers
+        )
+    with clock.stage("fit"):
+        tell("fitting", 0, 2)
+        fit = fit_sky(dataset)
+        tell("fitting", 1, 2)
+        tristimulus = tristimulus_comparison(dataset, fit)
+        shapes = _shape_errors(dataset, fit)
+        tell("fitting", 2, 2)
+    with clock.stage("simulate"):
+        tell("measured skies", 0, 1)
+        models = {"published": preetham_sky(TURBIDITY), "refit": _nearest(fit, TURBIDITY)}
+        reality = compare_with_cornell(models, simulate_cornell(plan, workers))
+        tell("measured skies", 1, 1)
+    with clock.stage("report"):
+        save_dataset(dataset, directory / "sky.nc", overwrite=True)
+        fit.save(directory / "fit.json")
+        with style.house_style():
+            pictures = draw_pictures(
+                directory / "figures",
+                dataset,
+                fit,
+                reality,
+                lambda done, total: tell("pictures", done, total),
+            )
+        record = {
+            "schema": SCHEMA,
+            "complete": True,
+            "coefficients": coefficient_table(fit),
+            "zenith": zenith_record(fit),
+            "shape_error": shapes,
+            "recovery_error": recovery,
+            "tristimulus": tristimulus,
+            "published_within_two_errors": within_errors(coefficient_table(fit)),
+            **_zenith_differences(dataset),
+            "cornell": reality.record(),
+            "fit": _fit_record(fit),
+            "campaign": plan.to_dict(),
+            "versions": versions(),
+        }
+    record["seconds"] = clock.seconds | {"total": sum(clock.seconds.values())}
+    record["claims"] = [asdict(claim) for claim in judge(record)]
+    (directory / "report.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    write_page(directory / "report.html", record, pictures, notes(record))
+    return record
+
+
+def _shape_errors(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[str, float]]:
+    pairs = {
+        "refit_vs_simulation": shape_error(fit, dataset),
+        "published_vs_simulation": shape_error(preetham_sky, dataset),
+        "refit_vs_published": shape_error(fit, preetham_sky),
+    }
+    return {
+        channel: {name: errors[channel] for name, errors in pairs.items()}
+        for channel in ("Y", "x", "y")
+    }
+
+
+def _nearest(fit: SkyFit, turbidity: float):
+    """The refit at a turbidity, or at the nearest one that was simulated."""
+    low, high = fit.parameter_range or (turbidity, turbidity)
+    return fit.sky(turbidity=float(np.clip(turbidity, low, high)))
+
+
+def _zenith_differences(dataset: xr.Dataset) -> dict[str, dict[str, float]]:
+    """Published zenith against the simulated one, over all skies."""
+    zenith = dataset.isel(direction=int(np.argmin(dataset["view_zenith"].values)))
+    suns = dataset["sun_zenith"].values
+    up = np.zeros_like(suns)
+    published = np.stack(
+        [modelled(preetham_sky(float(t)))(suns, up, up) for t in dataset["turbidity"].values]
+    )
+    ratio = published[..., 2] / zenith["luminance"].values
+    return {
+        "zenith_ratio": {
+            "lowest": float(ratio.min()),
+            "median": float(np.median(ratio)),
+            "highest": float(ratio.max()),
+        },
+        "zenith_difference": {
+            name: float(np.mean(published[..., k] - zenith[name].values))
+            for k, name in enumerate(("x", "y"))
+        },
+    }
+
+
+def _fit_record(fit: SkyFit) -> dict[str, Any]:
+    """What a sceptic asks of the fit."""
+    stages = fit.two_stage or {}
+    return {
+        "settings": fit.settings,
+        "diagnostics": {name: asdict(found) for name, found in fit.diagnostics.items()},
+        "two_stage_rms": {name: stage.rms for name, stage in stages.items()},
+    }

@@ -1,0 +1,67 @@
+"""What the report says in words, made from its numbers."""
+
+from typing import Any
+
+from .claims import percent
+
+
+def notes(record: dict[str, Any]) -> dict[str, Any]:
+    """The sentences of report.html: `summary`, `fit_notes`, `provenance`."""
+    return {
+        "summary": _summary(record),
+        "fit_notes": _fit_notes(record["fit"]),
+        "provenance": _provenance(record["campaign"], record["fit"]["settings"]),
+    }
+
+
+def _summary(record: dict[str, Any]) -> list[str]:
+    shape, cornell = record["shape_error"]["Y"], record["cornell"]
+    ratio, error = cornell["luminance_ratio"], cornell["rmse_mW_m-2_sr-1_nm-1"]
+    zenith = record["zenith_ratio"]
+    worst = max(record["recovery_error"].values())
+    return [
+        f"The method is sound: on skies made from the published model the fit returns the "
+        f"published coefficients within {worst:.0e}."
+        if worst <= 1e-9
+        else f"The fit misses coefficients it should return exactly, by up to {worst:.0e}.",
+        f"The formula, fitted anew, is {percent(shape['refit_vs_simulation'])} RMS from the "
+        f"simulated shape of the luminance; the published coefficients are "
+        f"{percent(shape['published_vs_simulation'])} from it.",
+        f"The published zenith is {zenith['median']:.2f} times as bright as the simulated one in "
+        f"the median sky ({zenith['lowest']:.2f} to {zenith['highest']:.2f}).",
+        f"On a measured day the published model is {ratio['published']:.2f} times too bright and "
+        f"{error['published']:.0f} mW m⁻² sr⁻¹ nm⁻¹ off; the refit {ratio['refit']:.2f} times and "
+        f"{error['refit']:.0f}, the simulation it was fitted to {ratio['simulated']:.2f} times and "
+        f"{error['simulated']:.0f}. What is left between simulation and measurement is not the "
+        "formula's: it is the atmosphere (this haze at this turbidity, no absorption, no ground) "
+        "and the orders of scattering left out.",
+    ]
+
+
+def _fit_notes(fit: dict[str, Any]) -> str:
+    parts = []
+    for channel in ("Y", "x", "y"):
+        found = fit["diagnostics"][channel]
+        parts.append(f"{channel}: condition number {found['condition']:.0f}")
+        if found["unidentified"]:
+            parts[-1] += f", not determined by the skies: {'; '.join(found['unidentified'])}"
+    text = ". ".join(parts)
+    if fit["two_stage_rms"]:
+        rms = ", ".join(f"{name} {percent(value)}" for name, value in fit["two_stage_rms"].items())
+        text += f". Fitted turbidity by turbidity with a line drawn through afterwards: {rms} RMS"
+    return (
+        f"{text}. Standard errors treat the misfit in each direction as independent, which it is "
+        "not: true uncertainties are larger."
+    )
+
+
+def _provenance(campaign: dict[str, Any], settings: dict[str, Any]) -> str:
+    orders = campaign["orders"]
+    return (
+        f"{len(campaign['turbidity'])} turbidities × {len(campaign['sun_zenith'])} suns × "
+        f"{len(campaign['view_zenith'])} directions × {len(campaign['wavelengths'])} wavelengths; "
+        f"{'all orders' if orders is None else f'{orders} orders'} of scattering, "
+        f"{campaign['geometry']} geometry, quality “{campaign['quality']}”; turbidity as "
+        f"{campaign['atmosphere']['turbidity_means']}. Fit: {settings['residuals']} residuals, "
+        f"{settings['weights']} weights. Simulated skies are in sky.nc, the fit in fit.json."
+    )
