@@ -107,6 +107,15 @@ def test_a_long_table_is_read_like_a_short_one():
     np.testing.assert_allclose(long(at), want, atol=1e-15)
 
 
+def test_profiles_tell_where_they_are_not_smooth():
+    assert profile.Exponential(8e3).knots().size == 0
+    np.testing.assert_array_equal(profile.elterman_haze().knots(), 1e3 * np.arange(33))
+    # The standard's layers meet at whole geopotential kilometres: 11 is 11.019 km, 20 is 20.063.
+    knots = profile.StandardAtmosphere().knots()
+    want = [11.019, 20.063, 32.162, 47.350, 51.413, 71.802, 86.000]
+    np.testing.assert_allclose(1e-3 * knots, want, atol=6e-4)
+
+
 @names
 def test_profiles_answer_in_the_shape_of_the_altitude(rho):
     assert rho(1e3).shape == ()
@@ -127,7 +136,7 @@ def test_profiles_in_float32_are_within_rounding_of_float64(rho):
 
 
 @names
-@pytest.mark.parametrize("altitude", [0.0, 1e3, 2718.0, 11e3, 32e3, 60e3])
+@pytest.mark.parametrize("altitude", [0.0, 1e3, 2718.0, 11e3, 15e3, 32e3, 60e3])
 def test_gradients_are_finite_and_agree_with_differences_between_knots(rho, altitude):
     slope = jax.grad(rho)(altitude)
     assert np.isfinite(slope)
