@@ -164,5 +164,7 @@ def _spectrum(value: ArrayLike, wavelengths: Spectrum, name: str) -> Spectrum:
 def _spectral_widths(one: Constituent):
     yield "scattering", one.scattering.size
     yield "absorption", one.absorption.size
-    shape = eqx.filter_eval_shape(one.phase.spectral, jax.ShapeDtypeStruct((), jnp.result_type(float))).shape
+    shape = eqx.filter_eval_shape(
+        one.phase.spectral, jax.ShapeDtypeStruct((), jnp.result_type(float))
+    ).shape
     yield "phase", shape[-1]
