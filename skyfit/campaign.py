@@ -13,10 +13,10 @@ from ._typing import Scalar, Spectrum, as_float
 from .atmosphere import Atmosphere
 from .preetham_air import PAPER_WAVELENGTHS, preetham_atmosphere
 from .transfer.quality import QUALITIES
-from .transfer.simulate_sky import Geometry
 
 
 Values = ArrayLike | Sequence[int | float]
+Geometry = Literal["spherical", "flat", "paper"]
 
 SCHEMA = "skyfit/campaign/1"
 PAPER_TURBIDITIES = (2.0, 3.0, 4.0, 5.0, 6.0)

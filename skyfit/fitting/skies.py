@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 
 from .._typing import as_float
 from ..angles import view_sun_angle
+from ..colour import spectrum_to_xyY
 from ..models.perez import CHANNELS
 
 
@@ -162,8 +163,6 @@ def _channels(data: "xr.Dataset", caller: str) -> dict[str, "xr.DataArray"]:
             f"{caller}(data=...): expected the variables {list(VARIABLES.values())}, or radiance "
             f"over wavelength; {missing} are missing"
         )
-    from ..colour import spectrum_to_xyY
-
     light = data["radiance"].transpose(..., "wavelength")
     xyY = np.asarray(spectrum_to_xyY(jnp.asarray(light.values), data["wavelength"].values))
     one = light.isel(wavelength=0, drop=True)

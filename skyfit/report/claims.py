@@ -99,7 +99,7 @@ def _tristimulus(comparison: dict[str, dict[str, float]]) -> Claim:
     )
 
 
-def _published_shape(errors: dict[str, dict[str, float]], within: tuple[int, int]) -> Claim:
+def _published_shape(errors: dict[str, dict[str, float]], within: dict[str, int]) -> Claim:
     published = [errors[name]["published_vs_simulation"] for name in CHANNELS]
     best = [errors[name]["refit_vs_simulation"] for name in CHANNELS]
     agrees = all(p <= 1.5 * b for p, b in zip(published, best, strict=True))
@@ -112,8 +112,8 @@ def _published_shape(errors: dict[str, dict[str, float]], within: tuple[int, int
         "The published coefficients are the best fit to the skies the paper describes, as rebuilt "
         "here",
         "holds" if agrees else "does not hold",
-        f"RMS of the published against the best fit: {pairs}; {within[0]} of {within[1]} numbers "
-        "within two standard errors",
+        f"RMS of the published against the best fit: {pairs}; {within['within']} of {within['of']} "
+        "numbers within two standard errors",
     )
 
 

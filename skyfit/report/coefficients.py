@@ -71,12 +71,12 @@ def zenith_record(fit: SkyFit) -> dict[str, Any]:
     }
 
 
-def within_errors(table: dict[str, Any], errors: float = 2.0) -> tuple[int, int]:
+def within_errors(table: dict[str, Any], errors: float = 2.0) -> dict[str, int]:
     """How many published numbers lie within some standard errors of the refit, and of how many."""
     letters = [parts for channel in table.values() for parts in channel.values()]
     rows = [row for parts in letters for row in parts.values()]
     near = [abs(row["refit"] - row["published"]) <= errors * row["standard_error"] for row in rows]
-    return sum(near), len(near)
+    return {"within": sum(near), "of": len(near)}
 
 
 def coefficient_chart(fit: SkyFit) -> Figure:
