@@ -39,9 +39,10 @@ class SunColumns(eqx.Module):
         row = _stretch(altitude / self.planet.top) * (self.table.shape[0] - 1)
         if self.table.shape[1] == 1:
             vertical = _interpolate(self.table[:, 0], row)
-            return vertical / up[..., None], lit
+            return jnp.maximum(vertical, 0.0) / up[..., None], lit
         column = _stretch((up - horizon) / (1 - horizon)) * (self.table.shape[1] - 1)
-        return _interpolate2(self.table, row, column), lit
+        # A cubic may swing below zero where a constituent ends.
+        return jnp.maximum(_interpolate2(self.table, row, column), 0.0), lit
 
 
 def sun_columns(medium: Medium, altitudes: int, angles: int) -> SunColumns:

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 
 def legendre(
     degree: int, order: int, mu: Float[Array, "*batch"], sine: Float[Array, "*batch"]
-) -> Float[Array, "order+1 degree+1 *batch"]:
+) -> Float[Array, "{order}+1 {degree}+1 *batch"]:
     """P̄_lm at directions of cosine μ, for m up to `order` and l up to `degree`; 0 where l < m."""
     # P̄_lm = a μ P̄_{l-1,m} - b P̄_{l-2,m}, started on the diagonal by P̄_mm ∝ sin^m θ.
     n, m = np.arange(degree + 1)[:, None], np.arange(order + 1)[None, :]
@@ -40,7 +40,7 @@ def legendre(
     return jnp.swapaxes(values, 0, 1)
 
 
-def cosines(order: int, cos_azimuth: Float[Array, "*batch"]) -> Float[Array, "order+1 *batch"]:
+def cosines(order: int, cos_azimuth: Float[Array, "*batch"]) -> Float[Array, "{order}+1 *batch"]:
     """cos(mφ) from cos φ for m up to `order`, by Chebyshev's recurrence: smooth at 0 and π."""
 
     def step(carry, _):

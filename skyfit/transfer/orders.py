@@ -31,7 +31,7 @@ class Source(eqx.Module):
         ground: Radiance of the ground under each sun [sr⁻¹].
     """
 
-    scattered: tuple[Float[Array, "level m l sun wavelength"], ...]
+    scattered: tuple[Float[Array, "level _m _l sun wavelength"], ...]
     ground: Float[Array, "sun wavelength"]
 
 

@@ -1,7 +1,5 @@
 """Simulate the radiance of a sky: the public verb."""
 
-from typing import Literal
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -21,8 +19,6 @@ from .quality import QUALITIES, Quality
 from .single import first_order
 from .views import Views, group
 
-
-Geometry = Literal["spherical", "flat", "paper"]
 
 PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
 
@@ -51,7 +47,7 @@ def simulate(
     view_zenith: ArrayLike,
     relative_azimuth: ArrayLike,
     orders: int | None = 2,
-    geometry: Geometry = "spherical",
+    geometry: str = "spherical",
     quality: str | Quality = "default",
     observer_altitude: ArrayLike = 0.0,
 ) -> Sky:
