@@ -112,7 +112,9 @@ def fit(sky: Path, out: Path, as_json: bool) -> int:
     """
     if out.exists():
         raise click.UsageError(f"--out: {out} exists already; give another name")
-    found = skyfit.fit_sky(skyfit.load_dataset(sky))
+    skies = skyfit.load_dataset(sky)
+    with _progress("fitting", quiet=as_json):
+        found = skyfit.fit_sky(skies)
     found.save(out)
     table = skyfit.coefficient_table(found)
     if as_json:
@@ -199,19 +201,18 @@ def _print_record(record: dict[str, Any], as_json: bool) -> None:
 def _print_coefficients(table: dict[str, Any]) -> None:
     from rich.table import Table
 
-    rows = Table(title="F = (1 + A e^(B/cos θ)) (1 + C e^(D γ) + E cos² γ), linear in turbidity")
-    rows.add_column("channel")
-    rows.add_column("coefficient")
+    rows = Table(title="F = (1 + A e^(B/cos θ)) (1 + C e^(D γ) + E cos² γ)")
+    rows.add_column("")
+    rows.add_column("")
     for part in ("slope", "intercept"):
-        rows.add_column(f"{part}, refit", justify="right")
-        rows.add_column("± standard error", justify="right")
-        rows.add_column("published", justify="right")
+        rows.add_column(part, justify="right", no_wrap=True)
+        rows.add_column("published", justify="right", no_wrap=True)
     for channel, letters in table.items():
         for letter, parts in letters.items():
             cells = []
             for part in ("slope", "intercept"):
                 row = parts[part]
-                cells += [f"{row['refit']:.5g}", f"{row['standard_error']:.2g}"]
+                cells.append(f"{row['refit']:.4g} ± {row['standard_error']:.1g}")
                 cells.append("" if row["published"] is None else f"{row['published']:.5g}")
             rows.add_row(channel, letter, *cells)
         rows.add_section()

@@ -78,6 +78,23 @@ def test_an_interrupted_simulation_says_how_to_go_on_and_does(
     assert skyfit.load_dataset(store).sizes["turbidity"] == 2
 
 
+def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_path, capsys):
+    store, out = tmp_path / "sky.nc", tmp_path / "fit.json"
+    assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
+    capsys.readouterr()
+    assert cli.run(["fit", str(store), "--out", str(out), "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)["coefficients"]
+    # Preetham et al. (1999), appendix A.2.
+    assert table["Y"]["A"]["intercept"]["published"] == -1.4630
+    fit = skyfit.load_fit(out)
+    assert table["x"]["D"]["slope"]["refit"] == fit.coefficients["x"][3, 0]
+    out.unlink()
+    assert cli.run(["fit", str(store), "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "published" in printed
+    assert "-1.463" in printed
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
