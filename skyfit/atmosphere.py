@@ -69,6 +69,8 @@ class Atmosphere(eqx.Module):
     planet_radius: Scalar
     top_altitude: Scalar
 
+    __hash__ = object.__hash__  # arrays have none, and `jax.jit(atm.density)` asks for it
+
     def __init__(
         self,
         wavelengths: ArrayLike,

@@ -19,6 +19,8 @@ from ._typing import ArrayLike, as_float, as_parameter, check, falls_or_stays
 class AbstractPhaseFunction(eqx.Module):
     """Probability density of the scattering direction [sr⁻¹]."""
 
+    __hash__ = object.__hash__  # arrays have none, and `jax.jit(phase)` asks for it
+
     @abc.abstractmethod
     def spectral(self, cos_angle: Float[Array, "*batch"]) -> Float[Array, "*batch #wavelength"]:
         """Density [sr⁻¹] at cosines of the scattering angle, wavelength last (size 1 if grey)."""
@@ -43,9 +45,9 @@ class AbstractPhaseFunction(eqx.Module):
         return values[..., 0] if self.is_grey else values
 
     @property
-    @abc.abstractmethod
     def is_grey(self) -> bool:
         """Whether the function is the same at every wavelength."""
+        return True
 
     @property
     def max_degree(self) -> int | None:
@@ -61,11 +63,6 @@ class AbstractPhaseFunction(eqx.Module):
 
 class Isotropic(AbstractPhaseFunction):
     """Equal in all directions: 1/4π."""
-
-    @property
-    def is_grey(self) -> bool:
-        """True: the same at every wavelength."""
-        return True
 
     @property
     def max_degree(self) -> int:
@@ -86,11 +83,6 @@ class Rayleigh(AbstractPhaseFunction):
 
     Source: Preetham et al. (1999), appendix A.3.
     """
-
-    @property
-    def is_grey(self) -> bool:
-        """True: the same at every wavelength."""
-        return True
 
     @property
     def max_degree(self) -> int:

@@ -18,6 +18,8 @@ from .tables import read_table
 class AbstractProfile(eqx.Module):
     """Relative density of a constituent over altitude."""
 
+    __hash__ = object.__hash__  # arrays have none, and `jax.jit(profile)` asks for it
+
     @abc.abstractmethod
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""

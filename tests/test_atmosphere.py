@@ -50,6 +50,11 @@ def test_there_is_nothing_above_the_top():
     np.testing.assert_allclose(density[:, 1], [1, 0.25, 0, 0], atol=1e-15)
 
 
+def test_an_atmospheres_methods_can_be_jitted_as_they_are():
+    got = jax.jit(atmosphere().density)(jnp.array(2e3))
+    np.testing.assert_allclose(got, [np.exp(-0.25), 0.25], rtol=1e-14)
+
+
 def test_one_value_stands_for_all_wavelengths():
     air = atmosphere(ground_albedo=0.3)
     np.testing.assert_array_equal(air.ground_albedo, [0.3, 0.3, 0.3])

@@ -156,6 +156,12 @@ def test_a_wavelength_axis_comes_last_and_only_where_there_is_one(p):
 
 
 @every
+def test_a_phase_function_and_its_methods_can_be_jitted_as_they_are(p):
+    np.testing.assert_allclose(jax.jit(p)(0.3), p(0.3), rtol=1e-14)
+    np.testing.assert_allclose(jax.jit(p.spectral)(jnp.array(0.3)), p.spectral(jnp.array(0.3)))
+
+
+@every
 def test_float32_is_within_rounding_of_float64(p):
     mu = np.cos(np.linspace(0.01, 3.13, 50))
     want = np.asarray(p(mu))

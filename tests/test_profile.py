@@ -123,6 +123,14 @@ def test_profiles_answer_in_the_shape_of_the_altitude(rho):
 
 
 @names
+def test_a_profile_and_its_methods_can_be_jitted_and_vmapped_as_they_are(rho):
+    altitude = jnp.array([0.0, 2718.0])
+    np.testing.assert_allclose(jax.jit(rho)(altitude), rho(altitude), rtol=1e-14)
+    np.testing.assert_allclose(jax.vmap(rho)(altitude), rho(altitude), rtol=1e-14)
+    np.testing.assert_allclose(jax.jit(rho.column)(60e3), rho.column(60e3), rtol=1e-14)
+
+
+@names
 def test_profiles_in_float32_are_within_rounding_of_float64(rho):
     # 30.4 km in steps of 301 m: no knot is hit, where a table jumps to nothing.
     altitude = 301.0 * np.arange(102)
