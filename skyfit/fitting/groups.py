@@ -13,8 +13,9 @@ from .._typing import as_float
 from ..models.perez import CHANNELS
 from .dependence import AbstractDependence, Constant, linear_in
 from .distribution import AbstractDistribution, PerezDistribution
-from .shape import ShapeProblem, ShapeSolution, solve_from_starts
+from .shape import ShapeProblem, ShapeSolution
 from .skies import Residuals, Skies, Weights
+from .starts import solve_from_starts
 
 
 # Directions closer to the horizon are left out: over the last degrees a hazy horizon darkens by an
@@ -22,6 +23,9 @@ from .skies import Residuals, Skies, Weights
 MAX_VIEW_ZENITH = np.radians(85.0)
 # A fit may lose this share of itself per squared unit of a free coordinate to stay near its start.
 PRIOR = 2e-4
+
+# A fit to one sky has several minima: it is begun from so many of the distribution's starts.
+SINGLE_SKY_STARTS = 3
 
 Starts = Mapping[str, Sequence[float]]
 
@@ -90,7 +94,7 @@ def fit_groups(
     settings: FitSettings,
     by: Literal["all", "parameter", "sky"],
     *,
-    first: int = 1,
+    again: bool = True,
     distribution: AbstractDistribution | None = None,
 ) -> BatchFit:
     """Fit every channel to every group of skies, side by side.
@@ -100,7 +104,7 @@ def fit_groups(
         settings: Weights, residuals, prior, starts.
         by: Which skies share coefficients: "all" of them, linear in the parameter; those of one
             value of the "parameter"; none, each "sky" having its own.
-        first: Starts given to every fit before those in doubt are given others.
+        again: Whether fits in doubt are given all of the distribution's starts.
         distribution: Perez's by default.
     """
     distribution = PerezDistribution() if distribution is None else distribution
@@ -108,11 +112,19 @@ def fit_groups(
     groups = skies.groups(by)
     centre, starts = _starts(settings, distribution)
     problem = shape_problem(skies, settings, groups, dependence, distribution, centre)
+    single = by == "sky"
+    if single and not settings.starts:
+        starts = np.roll(starts, -1, axis=0)
+    first = SINGLE_SKY_STARTS + bool(settings.starts) if single else 1
     free = np.tile(np.repeat(starts, groups.shape[0], axis=1), dependence.num_nodes)
-    # Single skies are many and badly determined: the slowest would make all the others wait.
-    rtol, max_steps = (1e-8, 64) if by == "sky" else (1e-13, 128)
-    rtol = max(rtol, float(jnp.finfo(problem.target.dtype).eps))
-    solution, used = solve_from_starts(problem, free, first=first, rtol=rtol, max_steps=max_steps)
+    rtol = max(1e-8 if single else 1e-13, float(jnp.finfo(problem.target.dtype).eps))
+    solution, used = solve_from_starts(
+        problem,
+        free if again else free[:first],
+        first=first,
+        rtol=rtol,
+        max_steps=64 if single else 128,
+    )
     shape = (len(CHANNELS), groups.shape[0])
     coordinates = solution.free.reshape(*shape, dependence.num_nodes, -1)
     count = np.count_nonzero(np.asarray(problem.weight), axis=(-2, -1))

@@ -49,15 +49,16 @@ class ShapeProblem(eqx.Module):
 class ShapeSolution(NamedTuple):
     """What came out of a batch of fits, one entry a lane.
 
-    `free` are the free coordinates of all nodes; `loss` is half the sum of squared residuals
-    without the prior; `converged` is the solver's word, not that the minimum is the lowest.
+    `free` are the free coordinates of all nodes; `objective` is half the sum of squares that was
+    minimised, `loss` the same without the prior; `converged` is the solver's word, not that the
+    minimum is the lowest.
     """
 
-    free: Float[Array, "lane free"]
-    objective: Float[Array, " lane"]
-    loss: Float[Array, " lane"]
-    steps: Int[Array, " lane"]
-    converged: Bool[Array, " lane"]
+    free: Float[Array | np.ndarray, "lane free"]
+    objective: Float[Array | np.ndarray, " lane"]
+    loss: Float[Array | np.ndarray, " lane"]
+    steps: Int[Array | np.ndarray, " lane"]
+    converged: Bool[Array | np.ndarray, " lane"]
 
 
 def shape_residuals(
@@ -134,57 +135,3 @@ def _least_norm():
     import lineax as lx
 
     return lx.SVD()
-
-
-def solve_from_starts(
-    problem: ShapeProblem,
-    starts: Float[np.ndarray, "start lane free"],
-    *,
-    first: int,
-    rtol: float,
-    max_steps: int = 64,
-) -> tuple[ShapeSolution, Int[np.ndarray, " lane"]]:
-    """Fit every lane from the first few starts, and lanes in doubt from the rest.
-
-    A lane is in doubt if its best fit did not converge or if, of several, no second start came
-    within 0.1 % of its loss.
-
-    Args:
-        problem: Every array with the lanes first.
-        starts: Free coordinates.
-        first: How many starts all lanes are given.
-        rtol: As for `solve_shapes`.
-        max_steps: As for `solve_shapes`.
-
-    Returns:
-        The best of each lane, and how many starts it took.
-    """
-    solved = [
-        solve_shapes(problem, jnp.asarray(start), rtol=rtol, max_steps=max_steps)
-        for start in starts[:first]
-    ]
-    best, doubtful = _best(solved)
-    used = np.full(doubtful.shape, first)
-    for start in starts[first:]:
-        if not doubtful.any():
-            break
-        # Lanes that are settled start where they are, and cost the batch no step.
-        again = jnp.where(jnp.asarray(doubtful)[:, None], jnp.asarray(start), best.free)
-        solved.append(solve_shapes(problem, again, rtol=rtol, max_steps=max_steps))
-        used += doubtful
-        best, _ = _best(solved)
-        doubtful &= ~np.asarray(best.converged)
-    return best, used
-
-
-def _best(solved: list[ShapeSolution]) -> tuple[ShapeSolution, Bool[np.ndarray, " lane"]]:
-    """Lowest objective of each lane, and which lanes are in doubt."""
-    objective = np.stack([np.asarray(one.objective) for one in solved])
-    objective = np.where(np.isfinite(objective), objective, np.inf)
-    winner = objective.argmin(axis=0)
-    lanes = np.arange(winner.size)
-    stacked = [np.stack([np.asarray(one[k]) for one in solved]) for k in range(5)]
-    best = ShapeSolution(*(jnp.asarray(field[winner, lanes]) for field in stacked))
-    agreeing = (objective <= 1.001 * objective.min(axis=0)).sum(axis=0)
-    alone = (agreeing < 2) if len(solved) > 1 else np.zeros(winner.shape, bool)
-    return best, alone | ~np.asarray(best.converged)

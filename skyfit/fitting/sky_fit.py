@@ -124,7 +124,7 @@ def fit_each_sky(
     """
     settings = FitSettings(weights, residuals, max_view_zenith, 0.0, starts)
     skies = read_skies(data, "fit_each_sky")
-    fit = fit_groups(skies, settings, "sky", first=4)
+    fit = fit_groups(skies, settings, "sky")
     shape = (len(CHANNELS), *skies.shape)
     return EachSky(
         fit.nodes.reshape(*shape, len(COEFFICIENTS)),
@@ -137,7 +137,7 @@ def fit_each_sky(
 def _read_joint(joint: BatchFit, skies: Skies):
     """Lines, standard errors and diagnostics of each channel."""
     distribution, dependence = joint.problem.distribution, joint.dependence
-    found = jacobians(joint.solution.free, joint.problem)
+    found = jacobians(as_float(joint.solution.free), joint.problem)
     by_node, by_free, residuals = (np.asarray(x, float) for x in found)
     places = _places(skies, dependence.num_nodes)
     lines, errors, diagnostics = {}, {}, {}
