@@ -34,6 +34,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, click.Abort):
         return _complain("interrupted", INTERRUPTED)
     except Exception as error:
+        if isinstance(error, OSError) and error.filename is not None:
+            return _complain(f"{error.filename}: {error.strerror}", MISTAKE)
         if _is_mistake(error):
             return _complain(str(error), MISTAKE)
         where = traceback.extract_tb(error.__traceback__)[-1]

@@ -100,7 +100,7 @@ def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_pa
     [
         (["simulate", "{campaign}"], "Missing option '--out'"),
         (["simulate", "--out", "s.zarr"], "Missing argument 'CAMPAIGN'"),
-        (["simulate", "none.toml", "--out", "s.zarr"], "none.toml"),
+        (["simulate", "none.toml", "--out", "s.zarr"], "none.toml: No such file or directory"),
         (["simulate", "{campaign}", "--out", "s.txt"], "s.txt: expected a name ending in .zarr"),
         (["simulate", "{campaign}", "--out", "s.nc", "--workers", "0"], "'--workers': 0 is not"),
         (["simulate", "{campaign}", "--out", "s.nc", "--wokers", "2"], "No such option"),

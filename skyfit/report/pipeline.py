@@ -74,7 +74,7 @@ def reproduce(
         tristimulus = tristimulus_comparison(dataset, fit)
         shapes = _shape_errors(dataset, fit)
         tell("fitting", 2, 2)
-    with clock.stage("simulate"):
+    with clock.stage("measured skies"):
         tell("measured skies", 0, 1)
         models = {"published": preetham_sky(TURBIDITY), "refit": _nearest(fit, TURBIDITY)}
         reality = compare_with_cornell(models, simulate_cornell(plan, workers))

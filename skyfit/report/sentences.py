@@ -32,9 +32,9 @@ def _summary(record: dict[str, Any]) -> list[str]:
         f"On a measured day the published model is {ratio['published']:.2f} times too bright and "
         f"{error['published']:.0f} mW m⁻² sr⁻¹ nm⁻¹ off; the refit {ratio['refit']:.2f} times and "
         f"{error['refit']:.0f}, the simulation it was fitted to {ratio['simulated']:.2f} times and "
-        f"{error['simulated']:.0f}. What is left between simulation and measurement is not the "
-        "formula's: it is the atmosphere (this haze at this turbidity, no absorption, no ground) "
-        "and the orders of scattering left out.",
+        f"{error['simulated']:.0f}. What separates the simulation from the measurement is "
+        "not the formula's doing: atmosphere, ground and orders of scattering are the paper's, not "
+        "that day's.",
     ]
 
 
@@ -56,12 +56,13 @@ def _fit_notes(fit: dict[str, Any]) -> str:
 
 
 def _provenance(campaign: dict[str, Any], settings: dict[str, Any]) -> str:
-    orders = campaign["orders"]
+    orders = "all orders" if campaign["orders"] is None else f"{campaign['orders']} orders"
     return (
         f"{len(campaign['turbidity'])} turbidities × {len(campaign['sun_zenith'])} suns × "
         f"{len(campaign['view_zenith'])} directions × {len(campaign['wavelengths'])} wavelengths; "
-        f"{'all orders' if orders is None else f'{orders} orders'} of scattering, "
-        f"{campaign['geometry']} geometry, quality “{campaign['quality']}”; turbidity as "
-        f"{campaign['atmosphere']['turbidity_means']}. Fit: {settings['residuals']} residuals, "
-        f"{settings['weights']} weights. Simulated skies are in sky.nc, the fit in fit.json."
+        f"{orders} of scattering, "
+        f"{campaign['geometry']} geometry, quality “{campaign['quality']}”; turbidity by "
+        f"{campaign['atmosphere']['turbidity_means']}. The paper lists neither its suns nor its "
+        "directions, and its haze profile is an earlier one of the same author. "
+        f"Fit: {settings['residuals']} residuals, {settings['weights']} weights. Simulated skies are in sky.nc, the fit in fit.json."
     )
