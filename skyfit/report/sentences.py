@@ -64,5 +64,6 @@ def _provenance(campaign: dict[str, Any], settings: dict[str, Any]) -> str:
         f"{campaign['geometry']} geometry, quality “{campaign['quality']}”; turbidity by "
         f"{campaign['atmosphere']['turbidity_means']}. The paper lists neither its suns nor its "
         "directions, and its haze profile is an earlier one of the same author. "
-        f"Fit: {settings['residuals']} residuals, {settings['weights']} weights. Simulated skies are in sky.nc, the fit in fit.json."
+        f"Fit: {settings['residuals']} residuals, {settings['weights']} weights. "
+        "Simulated skies are in sky.nc, the fit in fit.json."
     )
