@@ -73,7 +73,10 @@ def make_grid(medium: Medium, sun_zenith: Float[Array, " sun"], quality: Quality
     panels = [panel(quality.up, 0 * horizon, 1.0 + 0 * horizon)]
     if not isinstance(medium.planet, Flat):
         panels.append(panel(quality.limb, horizon, 0 * horizon))
-    panels.append(panel(quality.down, -1.0 + 0 * horizon, horizon))
+    # Just below the horizon the air in front of the ground thins out: nodes crowd there.
+    x, w = (jnp.asarray(a, altitude.dtype)[None, :] for a in gauss(quality.down))
+    depth = 1 + horizon
+    panels.append((horizon - depth * x**2, depth * 2 * x * w))
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
