@@ -9,6 +9,7 @@ import xarray as xr
 
 from skyfit import phase, profile
 from skyfit.atmosphere import Atmosphere, Constituent
+from skyfit.preetham_air import preetham_atmosphere
 
 
 REFERENCE = Path(__file__).parent / "reference"
@@ -180,3 +181,20 @@ def test_a_level_ray_over_a_flat_ground_ends_in_its_own_haze():
     want = np.exp(-depth / np.cos(sun)) / (4 * np.pi)
     # The ray rises by its rounding alone; pieces of up to 5 km resolve e^{-τ} over 2 km.
     np.testing.assert_allclose(level, want, rtol=1e-4)
+
+
+def test_the_twins_stored_numbers_are_still_its_own():
+    rows = np.genfromtxt(REFERENCE / "twin_radiances.csv", delimiter=",", names=True)
+    atms = {
+        albedo: preetham_atmosphere(3.0, wavelengths=[450.0, 650.0], ground_albedo=albedo)
+        for albedo in (0.0, 0.3)
+    }
+    for blue, red in rows.reshape(-1, 2):
+        names = ("sun_zenith_deg", "view_zenith_deg", "relative_azimuth_deg")
+        got = twin.single(
+            atms[float(blue["ground_albedo"])],
+            *(np.radians(blue[name]) for name in names),
+            observer_altitude=blue["observer_altitude_m"],
+        )
+        # Seven digits are stored.
+        np.testing.assert_allclose(got, [blue["first"], red["first"]], rtol=1e-6)
