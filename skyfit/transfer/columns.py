@@ -36,7 +36,7 @@ class SunColumns(eqx.Module):
         horizon = self.planet.horizon(altitude)
         lit = mu > horizon
         up = jnp.where(lit, mu, 1.0)
-        row = _stretch(altitude / self.planet.top) * (self.table.shape[0] - 1)
+        row = self.planet.stretch(altitude) * (self.table.shape[0] - 1)
         if self.table.shape[1] == 1:
             vertical = _interpolate(self.table[:, 0], row)
             return jnp.maximum(vertical, 0.0) / up[..., None], lit
@@ -48,8 +48,7 @@ class SunColumns(eqx.Module):
 def sun_columns(medium: Medium, altitudes: int, angles: int) -> SunColumns:
     """Tabulate the columns towards the sun."""
     planet = medium.planet
-    share = _unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
-    altitude = planet.top * share
+    altitude = planet.unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
 
     def one(h, mu):
         none = jnp.zeros_like(h)
@@ -73,7 +72,7 @@ def sun_columns(medium: Medium, altitudes: int, angles: int) -> SunColumns:
     return SunColumns(planet, jax.vmap(over_angles)(altitude, up))
 
 
-_OFFSET = 1e-3  # of the square-root coordinates; it keeps their slope at 0 finite
+_OFFSET = 1e-3  # of the square-root coordinate; it keeps its slope at the horizon finite
 
 
 def _stretch(share):
