@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import numpy as np
@@ -16,7 +16,7 @@ from .transfer.quality import QUALITIES
 
 
 Values = ArrayLike | Sequence[int | float]
-Geometry = Literal["spherical", "flat", "paper"]
+GEOMETRIES = ("spherical", "flat", "paper")
 
 SCHEMA = "skyfit/campaign/1"
 PAPER_TURBIDITIES = (2.0, 3.0, 4.0, 5.0, 6.0)
@@ -117,7 +117,7 @@ class Campaign:
     wavelengths: tuple[float, ...]
     atmosphere: PaperAtmosphere
     orders: int | None
-    geometry: Geometry
+    geometry: str
     quality: str
     observer_altitude: float
     keep_orders: bool
@@ -131,7 +131,7 @@ class Campaign:
         wavelengths: Values = PAPER_WAVELENGTHS,
         atmosphere: PaperAtmosphere | None = None,
         orders: int | None = 2,
-        geometry: Geometry = "spherical",
+        geometry: str = "spherical",
         quality: str = "default",
         observer_altitude: float = 0.0,
         keep_orders: bool = False,
@@ -154,7 +154,7 @@ class Campaign:
             )
         if orders is not None and (isinstance(orders, bool) or orders < 1):
             raise ValueError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
-        _one_of("Campaign", "geometry", geometry, get_args(Geometry))
+        _one_of("Campaign", "geometry", geometry, GEOMETRIES)
         _one_of("Campaign", "quality", quality, tuple(QUALITIES))
         if not 0 <= observer_altitude < np.inf:
             raise ValueError(

@@ -1,6 +1,7 @@
 """Measured skies, in the same form as simulated ones."""
 
 from importlib import resources
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,7 +31,7 @@ def cornell_skies() -> xr.Dataset:
     radiance = raw["radiance"].transpose("time", "direction", "wavelength").values.astype(float)
     by_direction = ("time", "direction")
     dims = {"radiance": (*by_direction, "wavelength")}
-    variables = {
+    variables: dict[str, Any] = {
         name: (dims.get(name, by_direction), array, describe(name))
         for name, array in sky_variables(radiance, wavelengths).items()
     }
