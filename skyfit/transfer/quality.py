@@ -37,6 +37,15 @@ class Quality(NamedTuple):
     orders: int
 
 
+# Where the field changes fast along a line of sight more suns are kept than by a quality's offsets:
+# under a low or set sun, and when the sun is not known before compiling.
+LOW_SUN_OFFSETS_DEG = (-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0)
+# From high up one sees air and ground under suns of their own.
+ALL_SUNS_DEG = (
+    *(0.0, 12.0, 24.0, 36.0, 47.0, 57.0, 65.0, 71.0, 76.0, 80.0, 83.0, 85.0, 87.0, 88.5, 90.0),
+    *(91.5, 93.0, 94.5, 96.0, 98.0, 100.0, 103.0, 107.0, 112.0),
+)
+
 QUALITIES = {
     "draft": Quality(32, 64, 48, 10, 12, 10, 3, 4, 16, 3, 14, (-3.0, 0.0, 3.0), 5),
     "default": Quality(48, 128, 64, 16, 16, 18, 4, 6, 28, 3, 26, (-3.0, 0.0, 3.0), 8),

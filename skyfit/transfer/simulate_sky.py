@@ -1,12 +1,14 @@
 """Simulate the radiance of a sky: the public verb."""
 
+from typing import Literal
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from .._typing import as_float, check, is_traced
+from .._typing import Scalar, as_float, check, is_traced
 from ..angles import cos_view_sun_angle
 from ..atmosphere import Atmosphere
 from .columns import SunColumns, sun_columns
@@ -15,11 +17,16 @@ from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
 from .orders import gather, next_field, scatter
 from .paths import Kind
-from .quality import QUALITIES, Quality
+from .quality import ALL_SUNS_DEG, LOW_SUN_OFFSETS_DEG, QUALITIES, Quality
 from .single import first_order
 from .views import Views, group
 
 
+Suns = Literal["near", "low", "all"]
+"""For which suns the field is kept; see `quality`."""
+
+LOW_SUN = np.radians(86.0)
+HIGH_UP = 20e3  # m
 PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
 
 
@@ -89,9 +96,13 @@ def simulate(
     views, shape = group(sun, view, azimuth, altitude)
     rising = _known(view, lambda v: v <= np.pi / 2 + 1e-6) and _known(altitude, lambda h: h == 0)
     day = rising and _known(sun, lambda s: s <= np.pi / 2)
+    suns: Suns = "all"
+    if _known(altitude, lambda h: h <= HIGH_UP):
+        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low"
     by_order = _simulate(
         atmosphere, views, count=sizes.orders if orders is None else orders,
-        flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any", split=not day,
+        flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
+        suns=suns, split=not day,
     )  # fmt: skip
     by_order = shape.restore(by_order)
     tail = _tail(by_order) if orders is None else jnp.zeros_like(by_order[0])
@@ -107,6 +118,7 @@ def _simulate(
     flat: bool,
     quality: Quality,
     kind: Kind,
+    suns: Suns,
     split: bool,
 ) -> Float[Array, "order sun ray out wavelength"]:
     """Every order, for every sun in turn."""
@@ -120,9 +132,7 @@ def _simulate(
         first = _first(medium, columns, view, eyes, quality, kind, split)
         if count == 1:
             return first[None]
-        offsets = (0.0,) if flat else quality.sun_offsets_deg
-        suns = view.sun + jnp.radians(jnp.asarray(offsets, view.sun.dtype))
-        grid = make_grid(medium, suns, quality)
+        grid = make_grid(medium, _suns(view.sun, suns, flat, quality), quality)
         field = first_field(medium, columns, grid, quality)
 
         def look(field):
@@ -147,6 +157,16 @@ def _simulate(
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
     return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
+
+
+def _suns(sun: Scalar, suns: Suns, flat: bool, quality: Quality) -> Float[Array, " sun"]:
+    """Zenith angles of the suns under which the field is kept [rad]."""
+    if flat:
+        return sun[None]
+    if suns == "all":
+        return jnp.radians(jnp.asarray(ALL_SUNS_DEG, sun.dtype))
+    offsets = quality.sun_offsets_deg if suns == "near" else LOW_SUN_OFFSETS_DEG
+    return sun + jnp.radians(jnp.asarray(offsets, sun.dtype))
 
 
 def _eyes(planet: AbstractPlanet, view: Views, kind: Kind):
