@@ -168,7 +168,7 @@ def twin_rows():
         yield degrees, float(blue["observer_altitude_m"]), float(blue["ground_albedo"]), orders
 
 
-@pytest.mark.parametrize("case", twin_rows(), ids=lambda case: str(case[:2]))
+@pytest.mark.parametrize("case", list(twin_rows()), ids=lambda case: str(case[:2]))
 def test_two_orders_agree_with_the_stored_twin_from_dusk_to_space(case):
     degrees, altitude, albedo, (first, second) = case
     atm = skyfit.preetham_atmosphere(3.0, wavelengths=[450.0, 650.0], ground_albedo=albedo)
