@@ -14,7 +14,7 @@ from ..models.perez import CHANNELS
 from .dependence import AbstractDependence, Constant, linear_in
 from .distribution import AbstractDistribution, PerezDistribution
 from .shape import ShapeProblem, ShapeSolution
-from .skies import Residuals, Skies, Weights
+from .skies import RESIDUALS, WEIGHTS, Skies
 from .starts import solve_from_starts
 
 
@@ -44,8 +44,8 @@ class FitSettings:
             distribution's own.
     """
 
-    weights: Weights = "equal"
-    residuals: Residuals = "relative"
+    weights: str = "equal"
+    residuals: str = "relative"
     max_view_zenith: float = float(MAX_VIEW_ZENITH)
     prior: float = PRIOR
     starts: Starts | None = None
@@ -53,8 +53,8 @@ class FitSettings:
     def __post_init__(self):
         """Refuse what is no choice."""
         for name, allowed in (
-            ("weights", ("equal", "solid angle")),
-            ("residuals", ("relative", "absolute")),
+            ("weights", WEIGHTS),
+            ("residuals", RESIDUALS),
         ):
             got = getattr(self, name)
             if got not in allowed:

@@ -174,7 +174,10 @@ _ZENITH_SHAPES = {
 
 
 def _array(path, key: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.array(value, float)
+    try:
+        array = np.array(value, float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path}: {key}: expected {shape} numbers; {error}") from error
     if array.shape != shape or not np.isfinite(array).all():
         raise ValueError(f"{path}: {key}: expected {shape} numbers; got shape {array.shape}")
     return array

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import jax
 import jax.numpy as jnp
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Weights = Literal["equal", "solid angle"]
 Residuals = Literal["relative", "absolute"]
+WEIGHTS, RESIDUALS = get_args(Weights), get_args(Residuals)
 
 VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
 # Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
@@ -69,7 +70,7 @@ class Skies:
         """Highest and lowest sun [rad]."""
         return float(self.sun_zenith.min()), float(self.sun_zenith.max())
 
-    def weights(self, kind: Weights, max_view_zenith: float) -> Float[np.ndarray, "sky direction"]:
+    def weights(self, kind: str, max_view_zenith: float) -> Float[np.ndarray, "sky direction"]:
         """Weight of each residual, 0 beyond a view zenith angle [rad].
 
         "solid angle" gives each direction its share of the band of zenith angles halfway to the
