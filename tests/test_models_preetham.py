@@ -115,3 +115,11 @@ def test_impossible_turbidity_is_refused(bad):
 def test_impossible_turbidity_is_refused_under_jit():
     with pytest.raises(RuntimeError, match="must be 1 or more"):
         jax.jit(lambda t: preetham_sky(t).xyY(0.5, 0.3, 0.1))(0.5).block_until_ready()
+
+
+def test_methods_go_into_jit_as_they_are_one_model_apart_from_another():
+    for turbidity in (3.0, 5.0):
+        model = preetham_sky(turbidity)
+        # Compiled arithmetic is fused: the last digits may differ.
+        want = model.xyY(0.5, 0.3, 0.1)
+        np.testing.assert_allclose(jax.jit(model.xyY)(0.5, 0.3, 0.1), want, rtol=1e-12)

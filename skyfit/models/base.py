@@ -22,6 +22,8 @@ from ..colour import daylight_radiance, xyY_to_xyz, xyz_to_rgb
 class AbstractSkyModel(eqx.Module):
     """A sky as a function of view direction and sun. Angles in radians; arguments broadcast."""
 
+    __hash__ = object.__hash__  # arrays have none, and `jax.jit(model.xyY)` asks for it
+
     @property
     @abc.abstractmethod
     def valid_range(self) -> dict[str, tuple[float, float]]:
