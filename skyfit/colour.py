@@ -6,6 +6,7 @@ observer is the CIE 1931 2° standard observer. The colour axis is last.
 
 from functools import cache
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -160,11 +161,16 @@ def daylight_radiance(
     """
     colour = as_float(xyY)
     basis = jnp.atleast_2d(daylight_basis(wavelengths)).astype(colour.dtype)
+    return _daylight(colour, basis, jnp.asarray(daylight_luminances(), colour.dtype))
+
+
+@jax.jit
+def _daylight(xyY, basis, luminances):
     # Multiplied by the denominator of M1 and M2, the spectrum has no pole where that vanishes.
-    plane = jnp.asarray([DAYLIGHT_DENOMINATOR, DAYLIGHT_M1, DAYLIGHT_M2], colour.dtype)
-    x, y, luminance = colour[..., 0], colour[..., 1], colour[..., 2]
+    plane = jnp.asarray([DAYLIGHT_DENOMINATOR, DAYLIGHT_M1, DAYLIGHT_M2], xyY.dtype)
+    x, y, luminance = xyY[..., 0], xyY[..., 1], xyY[..., 2]
     mix = jnp.stack([jnp.ones_like(x), x, y], axis=-1) @ plane.T
-    relative = mix @ jnp.asarray(daylight_luminances(), colour.dtype)
+    relative = mix @ luminances
     lit = relative != 0
     scale = jnp.where(lit, luminance, 0.0) / jnp.where(lit, relative, 1.0)
     return jnp.maximum(scale[..., None] * (mix @ basis.T), 0.0)

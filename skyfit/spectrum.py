@@ -78,8 +78,12 @@ def daylight_basis(wavelengths: ArrayLike) -> Float[Array, "*batch 3"]:
         f"daylight_basis(wavelengths=...) must lie in {first:.0f} to {last:.0f} nm",
     )
     nodes, values = daylight_table()
-    columns = [jnp.interp(lam, as_float(nodes), as_float(column)) for column in values.T]
-    return jnp.stack(columns, axis=-1)
+    return _columns_at(lam, jnp.asarray(nodes, lam.dtype), jnp.asarray(values, lam.dtype))
+
+
+@jax.jit
+def _columns_at(wavelengths, nodes, values):
+    return jnp.stack([jnp.interp(wavelengths, nodes, column) for column in values.T], axis=-1)
 
 
 @cache

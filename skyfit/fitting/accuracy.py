@@ -3,12 +3,9 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._typing import as_float
 from ..campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
 from ..models import AbstractSkyModel, preetham_sky
 from ..models.perez import CHANNELS, PerezSky
@@ -85,8 +82,9 @@ def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
     view, azimuth = paper_directions()
     suns, turbidities = np.radians(PAPER_SUN_ZENITHS_DEG), np.array(PAPER_TURBIDITIES)
     count = turbidities.size * suns.size, view.size
-    grid = (as_float(suns)[:, None], as_float(view)[None], as_float(azimuth)[None])
-    colours = [np.asarray(_colours(model_at(float(t)), *grid), float) for t in turbidities]
+    colours = [
+        np.asarray(model_at(float(t)).xyY(suns[:, None], view, azimuth), float) for t in turbidities
+    ]
     values = np.moveaxis(np.concatenate(colours), -1, 0)
     return Skies(
         parameter_name="turbidity",
@@ -100,16 +98,10 @@ def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
     )
 
 
-@eqx.filter_jit
-def _colours(model, sun_zenith, view_zenith, relative_azimuth):
-    return model.xyY(sun_zenith, view_zenith, relative_azimuth)
-
-
-@eqx.filter_jit
 def _relative(model, sun_zenith, view_zenith, relative_azimuth):
     if isinstance(model, PerezSky):
         return model.relative(sun_zenith, view_zenith, relative_azimuth)
-    zenith = model.xyY(sun_zenith, jnp.zeros_like(view_zenith), relative_azimuth)
+    zenith = model.xyY(sun_zenith, np.zeros_like(view_zenith), relative_azimuth)
     return model.xyY(sun_zenith, view_zenith, relative_azimuth) / zenith
 
 
@@ -133,9 +125,9 @@ def _model_shape(sky: Sky, sampling: Skies) -> Float[np.ndarray, "channel sky di
     shape = np.empty((len(CHANNELS), *sampling.view_zenith.shape))
     for value in np.unique(sampling.parameter):
         rows = sampling.parameter == value
-        sun = as_float(sampling.sun_zenith[rows])[:, None]
-        views = as_float(sampling.view_zenith[rows]), as_float(sampling.relative_azimuth[rows])
-        relative = _relative(_model_at(sky, sampling.parameter_name, float(value)), sun, *views)
+        model = _model_at(sky, sampling.parameter_name, float(value))
+        views = sampling.view_zenith[rows], sampling.relative_azimuth[rows]
+        relative = _relative(model, sampling.sun_zenith[rows][:, None], *views)
         shape[:, rows] = np.moveaxis(np.asarray(relative, float), -1, 0)
     return shape
 

@@ -84,41 +84,19 @@ class PerezSky(AbstractSkyModel):
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch 3"]:
         """Chromaticity x, y and luminance Y [cd m⁻²]; see `AbstractSkyModel.xyY`."""
-        sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
-        sky = self._at(parameter)
-        scales = sky._zenith(sun) / sky._overhead(sun)
-        values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
-        return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
+        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
+        return _xyY(self, *angles)
 
     def relative(
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch 3"]:
         """F(θ, γ) / F(0, θₛ) of x, y and Y: each value over the zenith's. Arguments as `xyY`."""
-        sun, cos_view, gamma, parameter = self._angles(sun_zenith, view_zenith, relative_azimuth)
-        sky = self._at(parameter)
-        scales = 1 / sky._overhead(sun)
-        values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
-        return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
+        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
+        return _relative(self, *angles)
 
     def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
         """CIE XYZ [cd m⁻²] for unit vectors, z up; see `AbstractSkyModel.xyz`."""
-        split = (*components(as_float(direction)), *components(as_float(sun_direction)))
-        *split, parameter = align(*split, self.parameter)
-        view, sun = tuple(split[:3]), tuple(split[3:])
-        up = jnp.zeros_like(sun[2])
-        sun_zenith, _ = angle_between(sun, (up, up, up + 1))
-        gamma, cos_gamma = angle_between(view, sun)
-        sky = self._at(parameter.astype(gamma.dtype))
-        zenith, overhead = sky._zenith(sun_zenith), sky._overhead(sun_zenith)
-        table = jnp.broadcast_to(sky.perez_coefficients(), (3, 5, *zenith.shape[1:]))
-        # What depends on the sun alone is divided as one block, which XLA then keeps out of the
-        # loop over directions: it does not repeat divisions.
-        rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
-            [overhead[:, None], jnp.ones_like(table)], axis=1
-        )
-        x, y, luminance = (row[0] * perez(row[1:], view[2], gamma, cos_gamma) for row in rows)
-        total = luminance / y
-        return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))
+        return _xyz(self, as_float(direction), as_float(sun_direction))
 
     def perez_coefficients(self) -> Float[Array, "3 5 *batch"]:
         """A to E for x, y, Y at the model's parameter, held to its valid range."""
@@ -126,12 +104,6 @@ class PerezSky(AbstractSkyModel):
         slope, intercept = jnp.moveaxis(self.coefficients, -1, 0)
         shape = (*slope.shape, *(1,) * held.ndim)
         return slope.reshape(shape) * held[None, None] + intercept.reshape(shape)
-
-    def _angles(self, sun_zenith, view_zenith, relative_azimuth):
-        angles = (as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth))
-        sun, view, azimuth, parameter = align(*angles, self.parameter)
-        gamma = view_sun_angle(view, sun, azimuth)
-        return sun, jnp.cos(view), gamma, parameter.astype(gamma.dtype)
 
     def _at(self, parameter) -> "PerezSky":
         """The same sky at another parameter, in the precision of that."""
@@ -156,3 +128,46 @@ class PerezSky(AbstractSkyModel):
         night = jnp.exp(-_TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
         luminance = night * jnp.maximum(self.zenith_luminance(held, day), 0.0)
         return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
+
+
+# Compiled as one even where a caller compiles nothing: op by op the first call takes seconds.
+@eqx.filter_jit
+def _xyY(sky, sun_zenith, view_zenith, relative_azimuth):
+    sky, sun, cos_view, gamma = _geometry(sky, sun_zenith, view_zenith, relative_azimuth)
+    scales = sky._zenith(sun) / sky._overhead(sun)
+    values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
+    return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
+
+
+@eqx.filter_jit
+def _relative(sky, sun_zenith, view_zenith, relative_azimuth):
+    sky, sun, cos_view, gamma = _geometry(sky, sun_zenith, view_zenith, relative_azimuth)
+    values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
+    return jnp.stack([f / f0 for f, f0 in zip(values, sky._overhead(sun), strict=True)], axis=-1)
+
+
+def _geometry(sky, sun_zenith, view_zenith, relative_azimuth):
+    angles = align(sun_zenith, view_zenith, relative_azimuth, sky.parameter)
+    sun, view, azimuth, parameter = angles
+    gamma = view_sun_angle(view, sun, azimuth)
+    return sky._at(parameter.astype(gamma.dtype)), sun, jnp.cos(view), gamma
+
+
+@eqx.filter_jit
+def _xyz(sky, direction, sun_direction):
+    *split, parameter = align(*components(direction), *components(sun_direction), sky.parameter)
+    view, sun = tuple(split[:3]), tuple(split[3:])
+    up = jnp.zeros_like(sun[2])
+    sun_zenith, _ = angle_between(sun, (up, up, up + 1))
+    gamma, cos_gamma = angle_between(view, sun)
+    sky = sky._at(parameter.astype(gamma.dtype))
+    zenith, overhead = sky._zenith(sun_zenith), sky._overhead(sun_zenith)
+    table = jnp.broadcast_to(sky.perez_coefficients(), (3, 5, *zenith.shape[1:]))
+    # What depends on the sun alone is divided as one block, which XLA then keeps out of the loop
+    # over directions: it does not repeat divisions.
+    rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
+        [overhead[:, None], jnp.ones_like(table)], axis=1
+    )
+    x, y, luminance = (row[0] * perez(row[1:], view[2], gamma, cos_gamma) for row in rows)
+    total = luminance / y
+    return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))
