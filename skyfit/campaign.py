@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import ArrayLike, Float
 
-from ._typing import Scalar, Spectrum, as_float
 from .atmosphere import Atmosphere
 from .preetham_air import PAPER_WAVELENGTHS, preetham_atmosphere
 from .transfer.quality import QUALITIES
@@ -189,8 +187,7 @@ class Campaign:
 
     def build_atmosphere(self, value: float) -> Atmosphere:
         """The atmosphere for one value of the swept parameter."""
-        # Compiled as one: op by op, its 160 small programs would take ten times as long.
-        return _build(self.atmosphere, as_float(value), as_float(self.wavelengths))
+        return self.atmosphere.build(value, np.asarray(self.wavelengths))
 
     def to_dict(self) -> dict[str, Any]:
         """As plain numbers and words, for JSON."""
@@ -208,11 +205,6 @@ class Campaign:
             raise ValueError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
         fields["atmosphere"] = PaperAtmosphere(**fields["atmosphere"])
         return cls(**fields)
-
-
-@eqx.filter_jit
-def _build(description: PaperAtmosphere, value: Scalar, wavelengths: Spectrum) -> Atmosphere:
-    return description.build(value, wavelengths)
 
 
 def _values(

@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import equinox as eqx
 import numpy as np
 import xarray as xr
 
-from .._typing import as_float
 from ..campaign import Campaign
 from ..colour import luminance
 from ..measurements import cornell_skies
@@ -80,15 +78,12 @@ def compare_with_cornell(
         simulation: From `simulate_cornell`.
     """
     skies = _reliable_skies()
-    angles = [
-        np.broadcast_to(angle, skies["relative_azimuth"].shape)
-        for angle in (
-            skies["sun_zenith"].values[:, None],
-            skies["view_zenith"].values[None, :],
-            skies["relative_azimuth"].values,
-        )
-    ]
-    modelled = {name: _radiance(model, *angles) for name, model in models.items()}
+    suns, views = skies["sun_zenith"].values[:, None], skies["view_zenith"].values[None, :]
+    azimuths = skies["relative_azimuth"].values
+    modelled = {
+        name: np.asarray(model.radiance(suns, views, azimuths, WAVELENGTHS))
+        for name, model in models.items()
+    }
     if simulation is not None:
         modelled["simulated"] = simulation
     measured = skies["radiance"].interp(wavelength=WAVELENGTHS).values
@@ -135,8 +130,3 @@ def simulate_cornell(template: Campaign, workers: int = 1) -> np.ndarray:
 def _reliable_skies() -> xr.Dataset:
     skies = cornell_skies()
     return skies.isel(direction=skies["reliable"].values)
-
-
-def _radiance(model: AbstractSkyModel, *angles: np.ndarray) -> np.ndarray:
-    ask = eqx.filter_jit(lambda one, *where: one.radiance(*where, as_float(WAVELENGTHS)))
-    return np.asarray(ask(model, *map(as_float, angles)))

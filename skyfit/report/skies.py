@@ -6,12 +6,10 @@ axis; the three kinds compared are the simulation, the refit and the published m
 
 from collections.abc import Callable
 
-import equinox as eqx
 import numpy as np
 import xarray as xr
 from scipy.interpolate import RectBivariateSpline
 
-from .._typing import as_float
 from ..models import AbstractSkyModel
 
 
@@ -93,14 +91,9 @@ def modelled(model: AbstractSkyModel) -> Source:
         sun_zenith: float | np.ndarray, view_zenith: np.ndarray, relative_azimuth: np.ndarray
     ) -> np.ndarray:
         sun = np.full_like(view_zenith, sun_zenith)
-        return np.asarray(_xyY(model, *map(as_float, (sun, view_zenith, relative_azimuth))))
+        return np.asarray(model.xyY(sun, view_zenith, relative_azimuth))
 
     return source
-
-
-@eqx.filter_jit
-def _xyY(model, sun_zenith, view_zenith, relative_azimuth):
-    return model.xyY(sun_zenith, view_zenith, relative_azimuth)
 
 
 def fisheye_directions(pixels: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,6 +1,5 @@
 """The paper's reason for fitting x and y: whether X and Z take the formula as well."""
 
-import equinox as eqx
 import numpy as np
 import xarray as xr
 
@@ -59,9 +58,4 @@ def _shapes(dataset: xr.Dataset, fit: SkyFit) -> np.ndarray:
     sun = as_float(dataset["sun_zenith"].values)[:, None]
     view, azimuth = (as_float(dataset[n].values)[None] for n in ("view_zenith", "relative_azimuth"))
     skies = [fit.sky(turbidity=turbidity) for turbidity in dataset["turbidity"].values]
-    return np.stack([np.asarray(_relative(sky, sun, view, azimuth)) for sky in skies])
-
-
-@eqx.filter_jit
-def _relative(model, sun_zenith, view_zenith, relative_azimuth):
-    return model.relative(sun_zenith, view_zenith, relative_azimuth)
+    return np.stack([np.asarray(sky.relative(sun, view, azimuth)) for sky in skies])
