@@ -80,7 +80,11 @@ def fit_sky(
         sun_zenith_range=skies.sun_zenith_range,
         diagnostics=diagnostics,
         two_stage=_two_stage(skies, settings, joint),
-        settings=plain(dataclasses.asdict(settings)),
+        settings={
+            "distribution": type(joint.problem.distribution).__name__,
+            "dependence": type(joint.dependence).__name__,
+            **plain(dataclasses.asdict(settings)),
+        },
         provenance={"data": plain(dict(data.attrs)), "versions": versions()},
     )
 
