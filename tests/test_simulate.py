@@ -66,7 +66,8 @@ def test_orders_one_and_two_agree_with_converged_quadrature(geometry, case):
     file = reference(name)
     atm, (first, second, _) = reference_case(file, case)
     sky = skyfit.simulate(atm, *directions(file), orders=2, geometry=geometry)
-    np.testing.assert_allclose(sky.by_order[0], first, rtol=2e-5)
+    # The table of sun columns is worth 2.4e-5 with the sun at 85°; 1e-3 is promised.
+    np.testing.assert_allclose(sky.by_order[0], first, rtol=4e-5)
     # Default quality promises 0.5 % up to 75° and 1 % at 85°; it keeps 0.25 % and 0.4 %.
     np.testing.assert_allclose(sky.by_order[1][:, :6], second[:, :6], rtol=2.5e-3)
     np.testing.assert_allclose(sky.by_order[1][:, 6], second[:, 6], rtol=4e-3)
