@@ -32,6 +32,24 @@ def test_rosenbrocks_valley_ends_at_one_one():
     assert solution.stats["num_steps"] < 40
 
 
+def test_the_loss_never_rises_from_step_to_step():
+    # Gauss and Newton alone would first leap across the valley, to a loss of hundreds.
+    losses = []
+    for steps in range(1, 15):
+        solution = optx.least_squares(
+            rosenbrock,
+            SOLVER,
+            jnp.array([-1.2, 1.0]),
+            jnp.asarray(1.0),
+            max_steps=steps,
+            throw=False,
+        )
+        at = rosenbrock(solution.value, jnp.asarray(1.0))
+        losses.append(float(0.5 * at @ at))
+    assert losses[-1] < losses[0]
+    assert np.all(np.diff(losses) <= 0)
+
+
 def test_a_linear_problem_is_solved_as_lapack_does():
     rng = np.random.default_rng(0)
     # Columns on scales from 1e-3 to 1e3: the diagonal scaling makes nothing of that.
