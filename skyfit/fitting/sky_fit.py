@@ -49,7 +49,7 @@ def fit_sky(
     Where no direction is the zenith, each sky's zenith value is a free parameter.
 
     Args:
-        data: Skies in the contract's form (see `skyfit.dataset`), simulated or measured.
+        data: Skies in the form of `skyfit.dataset`, simulated or measured.
         weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
         residuals: "relative" (model / data - 1) or "absolute" (over the RMS of the data).
         max_view_zenith: Leave out directions closer to the horizon [rad].
