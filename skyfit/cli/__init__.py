@@ -1,0 +1,62 @@
+"""The command line: parse, call, print. `skyfit COMMAND --help` says what each takes."""
+
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from .fit import fit
+from .output import BUG, INTERRUPTED, MISTAKE, complain
+from .reproduce import reproduce
+from .simulate import simulate
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave with its exit status.
+
+    0 on success; 2 on a user's mistake, with one line that names it; 1 for a bug; 130 when
+    interrupted.
+    """
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    try:
+        return commands.main(args=arguments, prog_name="skyfit", standalone_mode=False) or 0
+    except click.ClickException as error:
+        return complain(error.format_message(), MISTAKE)
+    except (KeyboardInterrupt, click.Abort):
+        return complain("interrupted", INTERRUPTED)
+    except Exception as error:
+        if isinstance(error, OSError) and error.filename is not None:
+            return complain(f"{error.filename}: {error.strerror}", MISTAKE)
+        if _is_mistake(error):
+            return complain(str(error), MISTAKE)
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        what = f"{type(error).__name__}: {error}"
+        return complain(f"bug: {what} ({Path(where.filename).name}:{where.lineno})", BUG)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="skyfit")
+def commands() -> None:
+    """Simulate clear skies and fit analytic sky models to them."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+
+
+for command in (simulate, fit, reproduce):
+    commands.add_command(command)
+
+
+def _is_mistake(error: Exception) -> bool:
+    """Whether skyfit itself refused something, or the system refused a file."""
+    if isinstance(error, OSError):
+        return True
+    innermost = traceback.extract_tb(error.__traceback__)[-1].filename
+    ours = Path(innermost).is_relative_to(Path(__file__).parents[1])
+    return isinstance(error, ValueError) and ours
