@@ -32,6 +32,7 @@ PUBLIC = {
     "save_dataset",
     "shape_error",
     "simulate",
+    "sun_position",
 }
 MODULES = {"angles", "phase", "profile"}
 
