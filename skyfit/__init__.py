@@ -31,7 +31,12 @@ if TYPE_CHECKING:
     from .report.coefficients import coefficient_table as coefficient_table
     from .report.pipeline import reproduce as reproduce
     from .runner import run_campaign as run_campaign
-    from .sun import sun_position as sun_position
+    from .sun import (
+        sun_irradiance as sun_irradiance,
+        sun_position as sun_position,
+        sun_xyY as sun_xyY,
+        sunlight as sunlight,
+    )
     from .transfer.simulate_sky import simulate as simulate
 
 _MODULES = ("angles", "phase", "profile")
@@ -47,7 +52,7 @@ _NAMES = {
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
     "runner": ("run_campaign",),
-    "sun": ("sun_position",),
+    "sun": ("sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names}

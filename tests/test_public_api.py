@@ -32,7 +32,10 @@ PUBLIC = {
     "save_dataset",
     "shape_error",
     "simulate",
+    "sun_irradiance",
     "sun_position",
+    "sun_xyY",
+    "sunlight",
 }
 MODULES = {"angles", "phase", "profile"}
 

@@ -1,3 +1,8 @@
 """The sun: where it stands, and its light at the ground."""
 
+from .light import (
+    sun_irradiance as sun_irradiance,
+    sun_xyY as sun_xyY,
+    sunlight as sunlight,
+)
 from .position import SunPosition as SunPosition, sun_position as sun_position
