@@ -9,6 +9,7 @@ import click
 
 from .fit import fit
 from .output import BUG, INTERRUPTED, MISTAKE, complain
+from .render import render
 from .reproduce import reproduce
 from .simulate import simulate
 
@@ -49,7 +50,7 @@ def commands() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-for command in (simulate, fit, reproduce):
+for command in (simulate, fit, reproduce, render):
     commands.add_command(command)
 
 

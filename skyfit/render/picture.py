@@ -1,0 +1,176 @@
+"""Render a sky: the public verb, and the picture it makes."""
+
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from ..colour import srgb_matrix
+from ..constants import SUN_SOLID_ANGLE
+from .cameras import AbstractCamera, Panorama, direction_of
+from .files import check_target, write_exr, write_hdr, write_png
+from .sources import AbstractSource
+from .sun_disc import disc_cover
+from .tone import automatic_exposure, display, into_gamut
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A sky in linear sRGB, not clipped, (1, 1, 1) being white of 1 cd m⁻².
+
+    Attributes:
+        rgb: [row, column, 3], float32; 0 where nothing is shown.
+        inside: Which pixels show something.
+        weight: Solid angle of each pixel without the sun's disc, for exposure [sr].
+        camera: How it was projected.
+        description: What is seen, in a line.
+    """
+
+    rgb: Float[np.ndarray, "row column 3"]
+    inside: Bool[np.ndarray, "row column"]
+    weight: Float[np.ndarray, "row column"]
+    camera: AbstractCamera
+    description: str
+
+    def exposure(self) -> float:
+        """Exposure value that suits it; the sun's disc does not count."""
+        return automatic_exposure(self.rgb, self.weight)
+
+    def pixels(
+        self, ev: float | None = None, tone: str = "aces", gamut: str = "desaturate"
+    ) -> np.ndarray:
+        """8-bit sRGB [row, column, 3]; arguments as `save`."""
+        rgb, _ = into_gamut(self.rgb, gamut)
+        return display(rgb, self.exposure() if ev is None else ev, tone).pixels
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        ev: float | None = None,
+        tone: str = "aces",
+        gamut: str = "desaturate",
+        precision: str = "half",
+        overwrite: bool = False,
+    ) -> dict[str, Any]:
+        """Write it to a file, its kind told by the name's ending.
+
+        `.exr` and `.hdr` keep luminances: exposure and tone curve do not touch them.
+
+        Args:
+            path: Ends in .exr, .hdr or .png.
+            ev: Exposure value; None for an automatic one.
+            tone: Curve of a PNG; see `tone.display`.
+            gamut: What becomes of colours that sRGB does not have; see `tone.into_gamut`.
+            precision: Of an EXR.
+            overwrite: Replace a file that is there.
+
+        Returns:
+            What was done: the file, how many pixels were outside the gamut, and for a PNG the
+            exposure and how many were overexposed, else what a value of 1 stands for [cd m⁻²].
+
+        Raises:
+            ValueError: Another ending, or a file is there.
+        """
+        kind = check_target(path, overwrite)
+        rgb, outside = into_gamut(self.rgb, gamut)
+        record: dict[str, Any] = {"out": str(path), "outside_srgb": outside, "gamut": gamut}
+        if kind == ".exr":
+            panorama = isinstance(self.camera, Panorama)
+            white = write_exr(path, rgb, self.description, precision, panorama)
+            return record | {"cd_m2_of_1": white, "precision": precision}
+        if kind == ".hdr":
+            return record | {"cd_m2_of_1": write_hdr(path, rgb, self.description)}
+        if kind != ".png":
+            raise ValueError(f"{path}: expected .exr, .hdr or .png for one picture")
+        ev = self.exposure() if ev is None else ev
+        shown = display(rgb, ev, tone)
+        notes = {"Description": self.description, "Exposure": f"EV {ev:.2f}, tone curve {tone}"}
+        write_png(path, shown.pixels, notes)
+        return record | {"ev": round(ev, 3), "tone": tone, "overexposed": shown.overexposed}
+
+
+def render(
+    source: AbstractSource,
+    camera: AbstractCamera,
+    sun_zenith: float,
+    sun_azimuth: float = np.pi,
+    *,
+    sun_disc: bool = True,
+    ground_albedo: float = 0.2,
+) -> Picture:
+    """Make a picture of a sky.
+
+    Args:
+        source: What is seen; `source_of` makes one of a model, an atmosphere, a dataset or a file.
+        camera: `Fisheye`, `Panorama` or `Perspective`.
+        sun_zenith: Zenith angle of the sun [rad].
+        sun_azimuth: Its compass azimuth, north 0, east π/2 [rad].
+        sun_disc: Show the disc, 0.53° across. Pixels it fills in part have its light in part.
+        ground_albedo: Of a Lambertian ground below the horizon, lit by this sky and sun; only
+            where the source has no ground of its own.
+
+    Returns:
+        The picture, in absolute luminance.
+
+    Raises:
+        ValueError: An angle out of its range; a sun whose dimming is unknown.
+    """
+    if not 0 <= sun_zenith <= np.pi:
+        raise ValueError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
+    if not np.isfinite(sun_azimuth):
+        raise ValueError(f"render(sun_azimuth=...): expected a number; got {sun_azimuth}")
+    if not 0 <= ground_albedo <= 1:
+        raise ValueError(f"render(ground_albedo=...): expected 0 to 1; got {ground_albedo:.6g}")
+    rays = camera.rays()
+    direction = rays.direction.reshape(-1, 3)
+    light = np.array(source.xyz(direction, sun_zenith, sun_azimuth), np.float32)
+    sun = source.sun_xyz(sun_zenith) if sun_disc else None
+    below = direction[:, 2] < 0
+    if not source.has_ground and below.any():
+        light[below] = ground_xyz(source, sun_zenith, sun_azimuth, ground_albedo, sun)
+    light = light.reshape(*camera.shape, 3)
+    weight = np.where(rays.inside, rays.solid_angle, 0.0)
+    if sun is not None and sun[1] > 0:
+        toward = direction_of(sun_zenith, sun_azimuth)
+        row, column, share = disc_cover(camera, toward, source.horizon())
+        light[row, column] += share[:, None] * sun
+        weight[row, column] = 0.0
+    rgb = light @ srgb_matrix().T.astype(np.float32)
+    rgb = np.where(rays.inside[..., None], rgb, np.float32(0))
+    places = (
+        f"sun zenith {np.degrees(sun_zenith):.4g} deg, azimuth {np.degrees(sun_azimuth):.4g} deg"
+    )
+    return Picture(rgb, rays.inside, weight, camera, f"{source.name}; {places}; linear sRGB")
+
+
+def ground_xyz(
+    source: AbstractSource,
+    sun_zenith: float,
+    sun_azimuth: float,
+    albedo: float,
+    sun: np.ndarray | None,
+) -> Float[np.ndarray, " 3"]:
+    """CIE XYZ [cd m⁻²] of a Lambertian ground under a sky, and a sun where there is one."""
+    light = horizontal_irradiance(source, sun_zenith, sun_azimuth)
+    if sun is not None:
+        light = light + sun * SUN_SOLID_ANGLE * max(np.cos(sun_zenith), 0.0)
+    return albedo / np.pi * light
+
+
+def horizontal_irradiance(
+    source: AbstractSource, sun_zenith: float, sun_azimuth: float
+) -> Float[np.ndarray, " 3"]:
+    """What a sky without its sun sends onto the ground: XYZ, whose Y is the illuminance [lx]."""
+    # Gauss nodes in cos²θ, whose differential is the cosine-weighted solid angle.
+    x, w = np.polynomial.legendre.leggauss(32)
+    zenith = np.arccos(np.sqrt((x + 1) / 2))
+    azimuth = (np.arange(72) + 0.5) * (2 * np.pi / 72) + sun_azimuth
+    rings, spokes = np.meshgrid(zenith, azimuth, indexing="ij")
+    sine = np.sin(rings)
+    vectors = [sine * np.sin(spokes), sine * np.cos(spokes), np.cos(rings)]
+    direction = np.stack(vectors, axis=-1).reshape(-1, 3).astype(np.float32)
+    light = np.asarray(source.xyz(direction, sun_zenith, sun_azimuth), float)
+    return (w / 2 * np.pi) @ light.reshape(*rings.shape, 3).mean(axis=1)

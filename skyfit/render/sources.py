@@ -1,0 +1,86 @@
+"""What a picture can show: skies as luminance and colour over direction, each with its sun."""
+
+import abc
+
+import numpy as np
+from jaxtyping import Float
+
+from .._typing import as_scalar
+from ..atmosphere import Atmosphere
+from ..colour import spectrum_to_xyz
+from ..models.base import AbstractSkyModel
+from .cameras import direction_of
+from .sun_disc import disc_radiance, hidden_sine
+
+
+class AbstractSource(abc.ABC):
+    """A sky under one sun at a time. Unit vectors are east, north, up.
+
+    Attributes:
+        has_ground: Whether it answers below the horizon; else the picture gives it a ground.
+        name: What it is, in a few words.
+    """
+
+    has_ground: bool = False
+    name: str
+
+    @abc.abstractmethod
+    def xyz(
+        self, direction: Float[np.ndarray, "ray 3"], sun_zenith: float, sun_azimuth: float
+    ) -> Float[np.ndarray, "ray 3"]:
+        """CIE XYZ [cd m⁻²] along lines of sight, without the sun's disc.
+
+        Args:
+            direction: Of the lines of sight.
+            sun_zenith: [rad].
+            sun_azimuth: Compass azimuth [rad].
+        """
+
+    @abc.abstractmethod
+    def sun_xyz(self, sun_zenith: float) -> Float[np.ndarray, " 3"]:
+        """Mean CIE XYZ [cd m⁻²] of the sun's disc as it is seen; 0 if set.
+
+        Raises:
+            ValueError: It is not known what dims the sun of this source.
+        """
+
+    def horizon(self) -> float:
+        """Sine of the horizon's elevation."""
+        return 0.0
+
+
+class ModelSource(AbstractSource):
+    """A fitted or published model.
+
+    Args:
+        model: The sky.
+        air: Through which the sun is seen; None if unknown.
+        name: What it is.
+    """
+
+    def __init__(self, model: AbstractSkyModel, air: Atmosphere | None, name: str):
+        self.model, self.air, self.name = model, air, name
+
+    def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
+        sun = direction_of(sun_zenith, sun_azimuth).astype(direction.dtype)
+        return np.asarray(self.model.xyz(direction, sun))
+
+    def sun_xyz(self, sun_zenith):  # noqa: D102
+        if self.air is None:
+            raise ValueError(
+                f"{self.name}: what dims the sun is unknown; expected a turbidity, or a picture "
+                "without the sun's disc"
+            )
+        return sun_through(self.air, sun_zenith, 0.0)
+
+
+def sun_through(air: Atmosphere, sun_zenith: float, altitude: float) -> Float[np.ndarray, " 3"]:
+    """Mean CIE XYZ [cd m⁻²] of the sun's disc through an atmosphere."""
+    zenith, height = as_scalar(sun_zenith, "sun_zenith"), as_scalar(altitude, "altitude")
+    light = disc_radiance(air, zenith, height)
+    return np.asarray(spectrum_to_xyz(light, air.wavelengths))
+
+
+def horizon_of(air: Atmosphere, altitude: float) -> float:
+    """Sine of the horizon's elevation from an altitude [m]."""
+    return hidden_sine(air, altitude)
