@@ -13,7 +13,13 @@ from typing import TYPE_CHECKING, Any
 # Every name is loaded when it is first asked for: fitting, files and pictures bring optimistix,
 # xarray and matplotlib with them, which a user of the formulas alone should not wait for.
 if TYPE_CHECKING:
-    from . import angles as angles, phase as phase, profile as profile, render as render
+    from . import (
+        angles as angles,
+        phase as phase,
+        profile as profile,
+        render as render,
+        turbidity as turbidity,
+    )
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
     from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
     from .campaign_file import load_campaign as load_campaign
@@ -39,7 +45,7 @@ if TYPE_CHECKING:
     )
     from .transfer.simulate_sky import simulate as simulate
 
-_MODULES = ("angles", "phase", "profile", "render")
+_MODULES = ("angles", "phase", "profile", "render", "turbidity")
 _NAMES = {
     "atmosphere": ("Atmosphere", "Constituent"),
     "campaign": ("Campaign", "PaperAtmosphere"),

@@ -14,7 +14,7 @@ ORDER = [
     "phase", "profile", "atmosphere", "preetham_air", "sun",  # what the sky is made of
     "transfer",                                               # simulation
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
-    "models", "fitting",                                      # closed forms, and fitting them
+    "models", "turbidity", "fitting",                         # closed forms, and fitting them
     "render", "export", "report",                             # what is made of them
     "__init__", "cli",
 ]  # fmt: skip

@@ -37,7 +37,7 @@ PUBLIC = {
     "sun_xyY",
     "sunlight",
 }
-MODULES = {"angles", "phase", "profile", "render"}
+MODULES = {"angles", "phase", "profile", "render", "turbidity"}
 
 
 def test_public_names_change_only_on_purpose():
