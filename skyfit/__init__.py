@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
     from .campaign_file import load_campaign as load_campaign
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
+    from .export import export_fit as export_fit
     from .fitting import (
         SkyFit as SkyFit,
         fit_sky as fit_sky,
@@ -51,6 +52,7 @@ _NAMES = {
     "campaign": ("Campaign", "PaperAtmosphere"),
     "campaign_file": ("load_campaign",),
     "dataset": ("load_dataset", "save_dataset"),
+    "export": ("export_fit",),
     "fitting": ("SkyFit", "fit_sky", "load_fit", "recovery_error", "shape_error"),
     "measurements": ("cornell_skies",),
     "models": ("preetham_sky",),

@@ -153,7 +153,7 @@ def test_a_bug_is_admitted_with_status_1_and_no_traceback(campaign, tmp_path, ca
 
 
 def test_every_command_explains_itself(capsys):
-    for command in ("simulate", "fit", "reproduce"):
+    for command in ("simulate", "fit", "export", "reproduce"):
         assert cli.run([command, "--help"]) == 0
         assert "--json" in capsys.readouterr().out
 

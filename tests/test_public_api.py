@@ -20,6 +20,7 @@ PUBLIC = {
     "SkyFit",
     "coefficient_table",
     "cornell_skies",
+    "export_fit",
     "fit_sky",
     "load_campaign",
     "load_dataset",

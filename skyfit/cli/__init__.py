@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from .export import export
 from .fit import fit
 from .output import BUG, INTERRUPTED, MISTAKE, complain
 from .render import render
@@ -50,7 +51,7 @@ def commands() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-for command in (simulate, fit, reproduce, render):
+for command in (simulate, fit, export, reproduce, render):
     commands.add_command(command)
 
 

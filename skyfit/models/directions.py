@@ -53,14 +53,14 @@ def angle_between(
     nearer = jnp.minimum(square, 1 - square)
     safe = jnp.maximum(nearer, 1e-30)
     ratio = jnp.zeros_like(safe)
-    for coefficient in reversed(_arcsine_ratio(6 if safe.dtype == jnp.float32 else 17)):
+    for coefficient in reversed(arcsine_ratio(6 if safe.dtype == jnp.float32 else 17)):
         ratio = ratio * safe + coefficient
     angle = 2 * jnp.sqrt(safe) * ratio
     return jnp.where(square < 0.5, angle, math.pi - angle), 1 - 2 * square
 
 
 @cache
-def _arcsine_ratio(degree: int) -> tuple[float, ...]:
+def arcsine_ratio(degree: int) -> tuple[float, ...]:
     """Polynomial in t for arcsin(√t) / √t up to 1/2; degree 6 is within 1.5e-7, 17 within 4e-15."""
 
     def ratio(t):

@@ -22,9 +22,9 @@ CHANNELS = ("x", "y", "Y")  # in the order of `xyY`
 COEFFICIENTS = ("A", "B", "C", "D", "E")
 
 # At cos θ below this, e^{B/cos θ} is 0 in float64 for any B below -1e-6: the limit is exact there.
-_LEAST_COSINE = 1e-9
+LEAST_COSINE = 1e-9
 _XYZ_FROM_TOTAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -1.0, 1.0))  # Z = total - X - Y
-_TWILIGHT_DECAY = math.log(10) / math.radians(2.5)  # per radian of the sun's depression
+TWILIGHT_DECAY = math.log(10) / math.radians(2.5)  # per radian of the sun's depression
 
 
 def perez(
@@ -42,7 +42,7 @@ def perez(
         cos_gamma: Its cosine.
     """
     a, b, c, d, e = coefficients
-    airmass = 1 / jnp.maximum(cos_view, _LEAST_COSINE)
+    airmass = 1 / jnp.maximum(cos_view, LEAST_COSINE)
     gradation = 1 + a * jnp.exp(b * airmass)
     indicatrix = 1 + c * jnp.exp(d * gamma) + e * cos_gamma**2
     return gradation * indicatrix
@@ -125,7 +125,7 @@ class PerezSky(AbstractSkyModel):
     def _zenith(self, sun_zenith):
         """x, y and Y of the zenith, on the first axis."""
         held, day = self._held(), jnp.clip(sun_zenith, 0.0, math.pi / 2)
-        night = jnp.exp(-_TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
+        night = jnp.exp(-TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
         luminance = night * jnp.maximum(self.zenith_luminance(held, day), 0.0)
         return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
 

@@ -1,0 +1,38 @@
+"""`skyfit export`: a sky formula as source code."""
+
+from pathlib import Path
+
+import click
+
+import skyfit
+
+from .options import as_json
+from .output import print_record
+
+
+PUBLISHED = "published"
+
+
+@click.command()
+@click.argument("sky")
+@click.option(
+    "--format",
+    "language",
+    type=click.Choice(["glsl", "hlsl", "c", "js", "python", "json"]),
+    required=True,
+    help="Language; python needs NumPy only, json has the numbers.",
+)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Where the code goes.")
+@click.option(
+    "--name", default="sky", show_default=True, help="What the functions' names begin with."
+)
+@as_json
+def export(sky: str, language: str, out: Path, name: str, as_json: bool) -> int:
+    """Write SKY, a fit file or the word "published", as source code for a renderer."""
+    if out.exists():
+        raise click.UsageError(f"--out: {out} exists already; give another name")
+    formula = skyfit.preetham_sky(2.0) if sky == PUBLISHED else skyfit.load_fit(sky)
+    code = skyfit.export_fit(formula, language, name=name)
+    out.write_text(code, encoding="utf-8")
+    print_record({"out": str(out), "format": language, "lines": code.count("\n")}, as_json)
+    return 0

@@ -1,0 +1,112 @@
+"""One description of a formula, from which every language is written.
+
+A formula is a list of functions of numbers and vectors. Their expressions are text in Python's
+syntax, restricted to `+ - * /`, comparisons, components such as `direction.z`, numbers, and calls:
+of the functions in `BUILT_IN`, of `vector(x, y, z)`, of `where(condition, if_true, if_false)` and
+of functions described before.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+
+BUILT_IN = ("exp", "sqrt", "sin", "cos", "tan", "asin", "min", "max", "clamp")
+
+
+@dataclass(frozen=True)
+class Line:
+    """`name = expression`: a new number.
+
+    Attributes:
+        name: Of the number.
+        expression: See the module's docstring for the syntax.
+        comment: One line above it, or nothing.
+    """
+
+    name: str
+    expression: str
+    comment: str = ""
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function that returns a number or a vector.
+
+    Attributes:
+        name: Without the prefix that the export gives to all.
+        doc: What it returns, in one or more lines.
+        arguments: Names; `direction`, `sun_direction` and `colour` are vectors.
+        body: Lines, in order.
+        result: Expression.
+        returns_vector: Whether the result is a vector.
+        public: Whether callers are meant to use it.
+    """
+
+    name: str
+    doc: str
+    arguments: tuple[str, ...]
+    body: tuple[Line, ...]
+    result: str
+    returns_vector: bool = False
+    public: bool = False
+
+
+VECTORS = ("direction", "sun_direction", "colour")
+
+
+@dataclass(frozen=True)
+class Description:
+    """A sky formula.
+
+    Attributes:
+        functions: In an order in which each calls only those before it; the last is
+            `xyY_of_angles(cos_view, gamma, sun_zenith, *swept)`.
+        swept: Name of the swept parameter, if there is one.
+        numbers: The formula's coefficients as data.
+        formula: For people.
+    """
+
+    functions: tuple[Function, ...]
+    swept: tuple[str, ...]
+    numbers: dict[str, Any]
+    formula: str
+
+
+def linear(slope: float, intercept: float, swept: tuple[str, ...]) -> str:
+    """Expression of a number linear in the swept parameter, or of the intercept without one."""
+    return polynomial((slope, intercept), swept[0]) if swept else number(intercept)
+
+
+def polynomial(
+    coefficients: tuple[Any, ...] | Float[ndarray, " power"], variable: str
+) -> str:
+    """Expression of a polynomial in Horner's form, the highest power first.
+
+    The first coefficient may be the name of a number.
+    """
+    first = coefficients[0]
+    text = first if isinstance(first, str) else number(first)
+    for coefficient in coefficients[1:]:
+        factor = f"({text})" if "+" in text else text
+        text = f"{factor} * {variable} + {number(coefficient)}"
+    return text
+
+
+def number(value: float) -> str:
+    """A number, with more digits than a formula of the sky can need."""
+    return f"{float(value):.12g}"
+
+
+def exact(values: Any) -> Float[ndarray, "..."]:
+    """Numbers of a model in float64; those kept in float32 as short decimals, as they were meant.
+
+    0.1787 in float32 is 0.17870000004768372 in float64.
+    """
+    array = np.asarray(values)
+    if array.dtype != np.float32:
+        return array.astype(float)
+    return np.array([float(str(value)) for value in array.ravel()]).reshape(array.shape)

@@ -1,0 +1,100 @@
+"""What stands at the top of an exported sky: where it is from, how good it is, how to use it."""
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+from ..fitting import SkyFit
+from ..fitting.record import versions
+from ..models.perez import PerezSky
+from ..models.preetham import published_coefficients
+from .description import Description
+
+
+def heading(description: Description, prefix: str, provenance: list[str]) -> list[str]:
+    """Lines of ASCII, without marks of comment."""
+    swept = "".join(f", {name}" for name in description.swept)
+    return [
+        "Luminance and colour of a clear sky in any direction.",
+        "",
+        *provenance,
+        "",
+        *description.formula.split("\n"),
+        "",
+        f"Use {prefix}_xyz, {prefix}_xyY or {prefix}_rgb (direction, sun_direction{swept}).",
+        "Directions are unit vectors with z up, from the eye; the sun's disc is not in the sky.",
+        "Angles are in radians, luminances in cd/m^2.",
+        "",
+        "A view below the horizon sees the brightness of the horizon. With the sun below the",
+        "horizon the zenith keeps its colour of sunset and dims by a decade for every 2.5 degrees.",
+        "Light is never negative, and nothing jumps.",
+    ]
+
+
+def provenance_of_fit(fit: SkyFit) -> list[str]:
+    """What a fit was made from, how well it follows that, and where it holds."""
+    data, made_by = fit.provenance.get("data", {}), fit.provenance.get("versions", {})
+    errors = ", ".join(f"{name} {100 * d.rms:.2g} %" for name, d in fit.diagnostics.items())
+    zenith = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.zenith_rms.items())
+    return [
+        f"Fitted by skyfit {made_by.get('skyfit', 'of unknown version')}.",
+        *(f"Skies: {line}" for line in _skies(data)),
+        f"RMS error of the fit, relative: {errors}; of the zenith's values: {zenith}.",
+        *valid_range(fit.parameter_name, fit.parameter_range, fit.sun_zenith_range),
+    ]
+
+
+def provenance_of_model(sky: PerezSky) -> list[str]:
+    """The same for a model that was not fitted here."""
+    published = np.shape(sky.coefficients) == (3, 5, 2) and np.allclose(
+        sky.coefficients, published_coefficients(), rtol=1e-6
+    )
+    paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
+    return [
+        f"Written by skyfit {versions()['skyfit']}.",
+        f"Source: {paper}, appendix A.2." if published else "Source: a sky model of the caller's.",
+        *valid_range(sky.parameter_name, sky.parameter_range, sky.sun_zenith_range),
+    ]
+
+
+def valid_range(
+    name: str | None, between: tuple[float, float] | None, suns: tuple[float, float]
+) -> list[str]:
+    """In words, where the formula holds."""
+    low, high = (math.degrees(sun) for sun in suns)
+    swept = f"{name} {between[0]:.6g} to {between[1]:.6g}, " if name and between else ""
+    return [f"Valid range: {swept}sun {low:.4g} to {high:.4g} degrees from the zenith."]
+
+
+def _skies(data: dict[str, Any]) -> list[str]:
+    """The skies a fit was made from, as far as its record tells."""
+    lines = [str(data.get("title", "not described"))]
+    campaign = _parsed(data.get("campaign"))
+    if campaign:
+        orders = campaign.get("orders")
+        light = "all orders" if orders is None else f"{orders} orders of scattering"
+        lines.append(f"{light}, geometry {campaign.get('geometry')}")
+        atmosphere = campaign.get("atmosphere")
+        if isinstance(atmosphere, dict):
+            lines += [f"{key.replace('_', ' ')}: {value}" for key, value in atmosphere.items()]
+    atmospheres = _parsed(data.get("atmosphere"))
+    if isinstance(atmospheres, list) and atmospheres:
+        first = atmospheres[0]
+        lines += [
+            f"constituent: {_kind(part, 'density')} density, {_kind(part, 'phase')} phase function"
+            for part in first.get("constituents", [])
+        ]
+    return [line.encode("ascii", "replace").decode() for line in lines]
+
+
+def _kind(part: dict[str, Any], key: str) -> str:
+    return str(part.get(key, {}).get("type", "unnamed"))
+
+
+def _parsed(text: Any) -> Any:
+    try:
+        return json.loads(text)
+    except (TypeError, ValueError):
+        return None

@@ -1,0 +1,87 @@
+"""The public verb: a sky formula in a language."""
+
+import json
+import math
+import re
+
+from ..fitting import SkyFit
+from ..models.perez import PerezSky
+from .description import Description
+from .dialect import AbstractDialect
+from .frame import framed
+from .heading import heading, provenance_of_fit, provenance_of_model
+from .languages import C, Glsl, Hlsl, JavaScript, Python
+from .perez import describe_perez
+
+
+FORMATS: dict[str, type[AbstractDialect] | None] = {
+    "glsl": Glsl,
+    "hlsl": Hlsl,
+    "c": C,
+    "js": JavaScript,
+    "python": Python,
+    "json": None,
+}
+SCHEMA = "skyfit/sky/1"
+
+
+def export_fit(fit: SkyFit | PerezSky, format: str, *, name: str = "sky") -> str:
+    """Write a sky formula as source code, readable and ready to paste into a renderer.
+
+    The code has functions of the view's and the sun's directions (unit vectors, z up) and of the
+    swept parameter, which is an argument: `sky_xyY`, `sky_xyz` and `sky_rgb`, and
+    `sky_xyY_of_angles` for who has angles. Below the horizon and at night they follow the same
+    policy as the models here (`skyfit.models.base`).
+
+    Args:
+        fit: A fit, or a model such as `preetham_sky(3.0)`; its own parameter plays no part.
+        format: "glsl", "hlsl", "c" (a header, double precision), "js" (a module), "python" (NumPy
+            only) or "json" (the numbers).
+        name: What the names of all functions begin with.
+
+    Returns:
+        The file's text.
+
+    Raises:
+        ValueError: Unknown format, or a name that no language takes.
+    """
+    if format not in FORMATS:
+        raise ValueError(f"export_fit(format=...): expected one of {list(FORMATS)}; got {format!r}")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or "__" in name or name.startswith("gl_"):
+        raise ValueError(
+            f"export_fit(name=...): expected a letter, then letters, digits and single "
+            f"underscores; got {name!r}"
+        )
+    sky = _sky(fit)
+    description = describe_perez(sky)
+    provenance = provenance_of_fit(fit) if isinstance(fit, SkyFit) else provenance_of_model(sky)
+    dialect = FORMATS[format]
+    if dialect is None:
+        return _json(sky, description, provenance)
+    functions = framed(description, single=dialect.single)
+    top = heading(description, name, provenance)
+    return dialect(name, functions).file(top, functions)
+
+
+def _sky(fit: SkyFit | PerezSky) -> PerezSky:
+    if isinstance(fit, SkyFit):
+        if fit.parameter_name and fit.parameter_range:
+            return fit.sky(**{fit.parameter_name: fit.parameter_range[0]})
+        return fit.sky()
+    return fit
+
+
+def _json(sky: PerezSky, description: Description, provenance: list[str]) -> str:
+    low, high = map(math.degrees, sky.sun_zenith_range)
+    document = {
+        "schema": SCHEMA,
+        "provenance": provenance,
+        "formula": description.formula.split("\n"),
+        "parameter": {"name": sky.parameter_name, "range": list(sky.parameter_range)}
+        if sky.parameter_name
+        else None,
+        "sun_zenith_range_deg": [low, high],
+        "units": {"angles": "rad", "luminance": "cd/m^2"},
+        **description.numbers,
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"

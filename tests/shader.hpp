@@ -1,0 +1,17 @@
+// As much of GLSL and HLSL as exported skies use, for a C++ compiler: single precision throughout.
+#include <cmath>
+
+struct vec3 {
+    float x, y, z;
+    vec3(float x, float y, float z) : x(x), y(y), z(z) {}
+};
+typedef vec3 float3;
+
+static float exp(float x) { return std::exp(x); }
+static float sqrt(float x) { return std::sqrt(x); }
+static float sin(float x) { return std::sin(x); }
+static float cos(float x) { return std::cos(x); }
+static float tan(float x) { return std::tan(x); }
+static float min(float x, float y) { return x < y ? x : y; }
+static float max(float x, float y) { return x > y ? x : y; }
+static float clamp(float x, float low, float high) { return min(max(x, low), high); }
