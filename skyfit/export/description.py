@@ -81,9 +81,7 @@ def linear(slope: float, intercept: float, swept: tuple[str, ...]) -> str:
     return polynomial((slope, intercept), swept[0]) if swept else number(intercept)
 
 
-def polynomial(
-    coefficients: tuple[Any, ...] | Float[ndarray, " power"], variable: str
-) -> str:
+def polynomial(coefficients: tuple[Any, ...] | Float[ndarray, " power"], variable: str) -> str:
     """Expression of a polynomial in Horner's form, the highest power first.
 
     The first coefficient may be the name of a number.
