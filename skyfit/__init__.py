@@ -20,6 +20,12 @@ if TYPE_CHECKING:
         render as render,
         turbidity as turbidity,
     )
+    from .aerial import (
+        AerialPerspective as AerialPerspective,
+        ConstantAmbient as ConstantAmbient,
+        aerial_perspective as aerial_perspective,
+        ward_larson_aerial as ward_larson_aerial,
+    )
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
     from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
     from .campaign_file import load_campaign as load_campaign
@@ -48,6 +54,12 @@ if TYPE_CHECKING:
 
 _MODULES = ("angles", "phase", "profile", "render", "turbidity")
 _NAMES = {
+    "aerial": (
+        "AerialPerspective",
+        "ConstantAmbient",
+        "aerial_perspective",
+        "ward_larson_aerial",
+    ),
     "atmosphere": ("Atmosphere", "Constituent"),
     "campaign": ("Campaign", "PaperAtmosphere"),
     "campaign_file": ("load_campaign",),

@@ -15,6 +15,7 @@ ORDER = [
     "transfer",                                               # simulation
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
+    "aerial",                                                 # light on its way to the eye
     "render", "export", "report",                             # what is made of them
     "__init__", "cli",
 ]  # fmt: skip

@@ -13,11 +13,14 @@ import skyfit
 
 
 PUBLIC = {
+    "AerialPerspective",
     "Atmosphere",
     "Campaign",
+    "ConstantAmbient",
     "Constituent",
     "PaperAtmosphere",
     "SkyFit",
+    "aerial_perspective",
     "coefficient_table",
     "cornell_skies",
     "export_fit",
@@ -33,6 +36,7 @@ PUBLIC = {
     "save_dataset",
     "shape_error",
     "simulate",
+    "ward_larson_aerial",
     "sun_irradiance",
     "sun_position",
     "sun_xyY",

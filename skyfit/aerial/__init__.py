@@ -1,0 +1,7 @@
+"""Aerial perspective: what the air between eye and object takes from its light and adds to it."""
+
+from .constant import ConstantAmbient as ConstantAmbient, ward_larson_aerial as ward_larson_aerial
+from .perspective import (
+    AerialPerspective as AerialPerspective,
+    aerial_perspective as aerial_perspective,
+)

@@ -1,0 +1,117 @@
+"""Ward-Larson's aerial perspective: the same light from all directions, the same air everywhere."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._typing import ArrayLike, as_float
+from ..atmosphere import Atmosphere
+from ..models.directions import align
+from .scene import (
+    Channels,
+    Sky,
+    check_channels,
+    layered_air,
+    mean_by_response,
+    one_sun,
+    rgb_weights,
+    sky_radiance,
+)
+
+
+KILOMETRE = 1e3
+
+
+class ConstantAmbient(eqx.Module):
+    """Uniform extinction towards one colour: L = L₀ τ + ambient (1 - τ), τ = e^{-β s}.
+
+    Its methods are those of `AerialPerspective`; directions and height change nothing.
+
+    Attributes:
+        extinction: [m⁻¹].
+        ambient: What all fades into, channel last.
+    """
+
+    extinction: Float[Array, " channel"]
+    ambient: Float[Array, " channel"]
+
+    def transmittance(
+        self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, eye_height: ArrayLike = 0.0
+    ) -> Float[Array, "*batch channel"]:
+        """Share of an object's light that arrives from a distance [m]."""
+        far, *others = map(as_float, (distance, view_zenith, eye_height))
+        shape = jnp.broadcast_shapes(far.shape, *(other.shape for other in others))
+        far = jnp.broadcast_to(far, shape)[..., None]
+        # An infinite distance has no derivative worth the name; a long one serves as well.
+        rate = self.extinction.reshape((1,) * (far.ndim - 1) + self.extinction.shape)
+        return jnp.exp(-rate.astype(far.dtype) * jnp.minimum(far, 1e9))
+
+    def split(
+        self,
+        distance: ArrayLike,
+        view_zenith: ArrayLike = 0.0,
+        relative_azimuth: ArrayLike = 0.0,
+        eye_height: ArrayLike = 0.0,
+    ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
+        """Transmittance τ and in-scattered light; arguments as `AerialPerspective.apply`."""
+        view, azimuth = align(as_float(view_zenith), as_float(relative_azimuth))
+        seen = self.transmittance(distance, view + azimuth.astype(view.dtype), eye_height)
+        ambient, seen = align(self.ambient.astype(seen.dtype), seen)
+        return seen, ambient * (1 - seen)
+
+    def inscatter(
+        self,
+        distance: ArrayLike,
+        view_zenith: ArrayLike = 0.0,
+        relative_azimuth: ArrayLike = 0.0,
+        eye_height: ArrayLike = 0.0,
+    ) -> Float[Array, "*batch channel"]:
+        """Light added on the way; arguments as `AerialPerspective.apply`."""
+        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
+
+    def apply(
+        self,
+        radiance0: ArrayLike,
+        distance: ArrayLike,
+        view_zenith: ArrayLike = 0.0,
+        relative_azimuth: ArrayLike = 0.0,
+        eye_height: ArrayLike = 0.0,
+    ) -> Float[Array, "*batch channel"]:
+        """Light of an object as it arrives at the eye; arguments as `AerialPerspective.apply`."""
+        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
+        light0, seen, light = align(as_float(radiance0), seen, light)
+        return light0.astype(seen.dtype) * seen + light
+
+
+def ward_larson_aerial(
+    atmosphere: Atmosphere | ArrayLike,
+    sky: Sky,
+    sun_zenith: ArrayLike,
+    *,
+    wavelengths: ArrayLike | None = None,
+    channels: Channels = "spectral",
+) -> ConstantAmbient:
+    """Ward-Larson's model as Preetham et al. (1999), section 5, compare with their own.
+
+    The attenuation is right over one level kilometre at the ground and exponential elsewhere; what
+    is scattered in is the radiance of the zenith times the rest of it.
+
+    Args:
+        atmosphere: Turbidity or atmosphere, as `aerial_perspective` takes it.
+        sky: As `aerial_perspective` takes it.
+        sun_zenith: [rad].
+        wavelengths: With a turbidity [nm].
+        channels: "spectral" or "rgb".
+    """
+    check_channels(channels, "ward_larson_aerial")
+    sun = one_sun(sun_zenith, "ward_larson_aerial")
+    air, layers = layered_air(atmosphere, wavelengths, None, "ward_larson_aerial")
+    overhead = np.zeros(1)
+    zenith = sky_radiance(sky, air, sun, overhead, overhead, "ward_larson_aerial")[0]
+    extinction = jnp.sum(layers.extinction, axis=0)
+    if channels == "rgb":
+        seen = jnp.exp(-extinction * KILOMETRE)
+        extinction = -jnp.log(mean_by_response(seen, air)) / KILOMETRE
+        zenith = zenith @ rgb_weights(air.wavelengths)
+    return ConstantAmbient(extinction, zenith)

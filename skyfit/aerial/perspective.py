@@ -1,0 +1,175 @@
+"""Aerial perspective under any sky: L(s) = L₀ τ + Σ_i S_i⁰ I_i."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
+from ..atmosphere import Atmosphere
+from ..models.directions import align
+from . import closed, integrals, layers as along
+from .layers import Layers
+from .scene import (
+    Channels,
+    Sky,
+    check_channels,
+    layered_air,
+    mean_by_response,
+    one_sun,
+    rgb_weights,
+    sky_radiance,
+)
+from .source import Source, make_source, sky_directions, sunlight_at_ground
+
+
+METHODS = {
+    "quadrature": integrals.by_quadrature,
+    "paper": closed.as_published,
+    "equation 10": closed.near_level,
+    "hermite": closed.by_hermite,
+}
+
+
+class AerialPerspective(eqx.Module):
+    """What happens to light between an object and the eye.
+
+    Channels, on the last axis, are wavelengths [W m⁻² sr⁻¹ nm⁻¹] or linear sRGB [cd m⁻²].
+    Angles in radians, lengths in metres. Arguments broadcast.
+
+    Attributes:
+        layers: Air and haze.
+        source: What they scatter towards the eye at the ground.
+        wavelengths: Of the channels, or of the spectra from which the RGB was made [nm].
+        method: How the path integrals are taken: "quadrature", or for comparison "paper",
+            "equation 10" or "hermite".
+        channels: "spectral" or "rgb".
+    """
+
+    layers: Layers
+    source: Source
+    wavelengths: Spectrum
+    method: str = eqx.field(static=True)
+    channels: Channels = eqx.field(static=True)
+
+    def apply(
+        self,
+        radiance0: ArrayLike,
+        distance: ArrayLike,
+        view_zenith: ArrayLike,
+        relative_azimuth: ArrayLike,
+        eye_height: ArrayLike = 0.0,
+    ) -> Float[Array, "*batch channel"]:
+        """Light of an object as it arrives at the eye.
+
+        Args:
+            radiance0: At the object, channel last.
+            distance: From the eye, 0 or more; infinite for the sky or for a full view of the air
+                [m]. A ray that comes to 500 m below altitude 0 ends there.
+            view_zenith: Zenith angle of the ray from the eye, in [0, π] [rad].
+            relative_azimuth: View azimuth minus sun azimuth [rad].
+            eye_height: Above altitude 0 [m].
+        """
+        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
+        light0, seen, light = align(as_float(radiance0), seen, light)
+        return light0.astype(seen.dtype) * seen + light
+
+    def split(
+        self,
+        distance: ArrayLike,
+        view_zenith: ArrayLike,
+        relative_azimuth: ArrayLike,
+        eye_height: ArrayLike = 0.0,
+    ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
+        """Transmittance τ and in-scattered light, arguments as `apply`: L = L₀ τ + in-scattered."""
+        s, view, azimuth, height = _rays(distance, view_zenith, relative_azimuth, eye_height)
+        ray = along.stretch(self.layers, s, jnp.cos(view), height)
+        paths = METHODS[self.method](self.layers, ray)
+        glow = jnp.moveaxis(self.source(view, azimuth), -2, 0)
+        return along.transmittance(self.layers, ray), jnp.sum(glow * paths, axis=0)
+
+    def transmittance(
+        self, distance: ArrayLike, view_zenith: ArrayLike, eye_height: ArrayLike = 0.0
+    ) -> Float[Array, "*batch channel"]:
+        """Share of an object's light that arrives; arguments as `apply`."""
+        s, view, height = _rays(distance, view_zenith, eye_height)
+        ray = along.stretch(self.layers, s, jnp.cos(view), height)
+        return along.transmittance(self.layers, ray)
+
+    def inscatter(
+        self,
+        distance: ArrayLike,
+        view_zenith: ArrayLike,
+        relative_azimuth: ArrayLike,
+        eye_height: ArrayLike = 0.0,
+    ) -> Float[Array, "*batch channel"]:
+        """Light added on the way; arguments as `apply`."""
+        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
+
+
+def aerial_perspective(
+    atmosphere: Atmosphere | ArrayLike,
+    sky: Sky,
+    sun_zenith: ArrayLike,
+    *,
+    wavelengths: ArrayLike | None = None,
+    channels: Channels = "spectral",
+    method: str = "quadrature",
+    sun_irradiance: ArrayLike | None = None,
+    ground_albedo: ArrayLike | None = None,
+) -> AerialPerspective:
+    """Aerial perspective under a sky.
+
+    The air is a flat pile of exponential layers, and the light on it that at the ground: Preetham
+    et al. (1999), section 4. Good to distances of some hundred kilometres from heights of a few.
+
+    Args:
+        atmosphere: A turbidity, for air and haze of `preetham_atmosphere` with the paper's scale
+            heights; or an atmosphere, see `skyfit.aerial.layers.exponential_layers`.
+        sky: A sky model; a function of view zenith and relative azimuth that returns the radiance
+            at the wavelengths; or None for the atmosphere's own, simulated with two orders.
+        sun_zenith: One sun; beyond π/2 no sunlight comes [rad].
+        wavelengths: With a turbidity: 380 to 780 nm by 10 if not given [nm].
+        channels: "spectral", or "rgb" for linear sRGB.
+        method: See `AerialPerspective`.
+        sun_irradiance: Direct sunlight at the ground, normal to the beam, one per wavelength; the
+            sun through the atmosphere if not given [W m⁻² nm⁻¹].
+        ground_albedo: With a turbidity: of the ground, whose light the air scatters too; 0 if
+            not given.
+
+    Raises:
+        ValueError: An unknown method or channel, a bad turbidity or sun; wavelengths or an albedo
+            beside an atmosphere, which has its own.
+    """
+    if method not in METHODS:
+        names = ", ".join(repr(name) for name in METHODS)
+        raise ValueError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
+    check_channels(channels, "aerial_perspective")
+    sun = one_sun(sun_zenith, "aerial_perspective")
+    air, layers = layered_air(atmosphere, wavelengths, ground_albedo, "aerial_perspective")
+    light = sky_radiance(sky, air, sun, *sky_directions(), "aerial_perspective")
+    if sun_irradiance is None:
+        direct = sunlight_at_ground(air, sun)
+    else:
+        direct = jnp.broadcast_to(as_float(sun_irradiance), air.wavelengths.shape)
+    ground = layers.extinction / jnp.maximum(air.extinction, 1e-30)
+    source = make_source(air, ground * air.scattering, light, sun, direct)
+    if channels == "rgb":
+        layers, source = _in_rgb(layers, source, air)
+    return AerialPerspective(layers, source, air.wavelengths, method, channels)
+
+
+def _in_rgb(layers: Layers, source: Source, air: Atmosphere) -> tuple[Layers, Source]:
+    """Three channels in place of the spectrum: exact colours of the sources, mean extinctions."""
+    weights = rgb_weights(air.wavelengths)
+    rgb = Source(source.sun_zenith, source.sun @ weights, source.sky @ weights)
+    return Layers(layers.scale_height, mean_by_response(layers.extinction, air)), rgb
+
+
+def _rays(*values: ArrayLike) -> list[Float[Array, "..."]]:
+    """Broadcast distance, angles and height to one shape."""
+    arrays = [as_float(value) for value in values]
+    if not is_traced(arrays[0]):
+        check(arrays[0], lambda s: ~(s >= 0), "AerialPerspective: distance must be 0 m or more")
+    width = jnp.result_type(*arrays)
+    shape = jnp.broadcast_shapes(*(a.shape for a in arrays))
+    return [jnp.broadcast_to(a, shape).astype(width) for a in arrays]

@@ -1,0 +1,93 @@
+"""What every model of aerial perspective is given: air, a sky, a sun, channels."""
+
+from collections.abc import Callable
+from typing import Literal, cast
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._typing import ArrayLike, Scalar, Spectrum, as_float, as_scalar, check
+from ..atmosphere import Atmosphere
+from ..colour import xyz_to_rgb, xyz_weights
+from ..models import AbstractSkyModel
+from ..preetham_air import preetham_atmosphere
+from ..transfer.simulate_sky import simulate
+from .layers import PAPER_SCALE_HEIGHTS, Layers, exponential_layers
+
+
+Channels = Literal["spectral", "rgb"]
+Sky = AbstractSkyModel | Callable[[Array, Array], Array] | None
+
+
+def layered_air(
+    atmosphere: Atmosphere | ArrayLike,
+    wavelengths: ArrayLike | None,
+    ground_albedo: ArrayLike | None,
+    caller: str,
+) -> tuple[Atmosphere, Layers]:
+    """An atmosphere, or that of a turbidity, and its exponential layers.
+
+    Raises:
+        ValueError: Bad turbidity; wavelengths or albedo beside an atmosphere, which has its own.
+    """
+    if not isinstance(atmosphere, Atmosphere):
+        air = preetham_atmosphere(
+            as_scalar(atmosphere, f"{caller}(atmosphere=...)"),
+            wavelengths=wavelengths,
+            ground_albedo=0.0 if ground_albedo is None else ground_albedo,
+        )
+        return air, Layers(as_float(list(PAPER_SCALE_HEIGHTS)), air.extinction)
+    for name, value in (("wavelengths", wavelengths), ("ground_albedo", ground_albedo)):
+        if value is not None:
+            raise ValueError(f"{caller}({name}=...): the atmosphere has its own; got {value!r}")
+    return atmosphere, exponential_layers(atmosphere)
+
+
+def one_sun(sun_zenith: ArrayLike, caller: str) -> Scalar:
+    """The sun's zenith angle, checked [rad]."""
+    sun = as_scalar(sun_zenith, f"{caller}(sun_zenith=...)")
+    message = f"{caller}(sun_zenith=...) must lie in [0, pi] rad"
+    return check(sun, lambda v: ~((v >= 0) & (v <= np.pi + 1e-6)), message)
+
+
+def check_channels(channels: str, caller: str) -> None:
+    """Refuse channels that are neither spectral nor RGB."""
+    if channels not in ("spectral", "rgb"):
+        raise ValueError(f"{caller}(channels=...): expected 'spectral' or 'rgb'; got {channels!r}")
+
+
+def sky_radiance(
+    sky: Sky, air: Atmosphere, sun: Scalar, zenith: np.ndarray, azimuth: np.ndarray, caller: str
+) -> Float[Array, "direction wavelength"]:
+    """Radiance of a sky in directions; with None, that of the air by a simulation of two orders."""
+    view = as_float(zenith), as_float(azimuth)
+    if sky is None:
+        return simulate(air, sun, *view).radiance
+    if isinstance(sky, AbstractSkyModel):
+        light = sky.radiance(sun, *view, air.wavelengths)
+    else:
+        light = as_float(cast(Callable, sky)(*view))
+    expected = (zenith.size, air.wavelengths.size)
+    if light.shape != expected:
+        raise ValueError(
+            f"{caller}(sky=...): expected radiance of shape {expected}, direction by wavelength; "
+            f"got {light.shape}"
+        )
+    return light
+
+
+def rgb_weights(wavelengths: Spectrum) -> Float[Array, "wavelength 3"]:
+    """Weights that turn a spectral radiance into linear sRGB."""
+    return xyz_to_rgb(xyz_weights(wavelengths))
+
+
+def mean_by_response(
+    coefficient: Float[Array, "*batch wavelength"], air: Atmosphere
+) -> Float[Array, "*batch 3"]:
+    """Mean of a coefficient over each primary's response to sunlight above the air.
+
+    With it the colours of short paths are right, and those of long ones nearly so.
+    """
+    response = rgb_weights(air.wavelengths) * air.solar_irradiance[:, None]
+    return jnp.maximum(coefficient @ (response / jnp.sum(response, axis=0)[None]), 0.0)
