@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
     from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
     from .campaign_file import load_campaign as load_campaign
+    from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
     from .export import export_fit as export_fit
     from .fitting import (
@@ -63,6 +64,7 @@ _NAMES = {
     "atmosphere": ("Atmosphere", "Constituent"),
     "campaign": ("Campaign", "PaperAtmosphere"),
     "campaign_file": ("load_campaign",),
+    "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
     "export": ("export_fit",),
     "fitting": ("SkyFit", "fit_sky", "load_fit", "recovery_error", "shape_error"),

@@ -22,6 +22,7 @@ PUBLIC = {
     "SkyFit",
     "aerial_perspective",
     "coefficient_table",
+    "compare_skies",
     "cornell_skies",
     "export_fit",
     "fit_sky",

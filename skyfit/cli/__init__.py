@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from .compare import compare
 from .export import export
 from .fit import fit
 from .output import BUG, INTERRUPTED, MISTAKE, complain
@@ -51,7 +52,7 @@ def commands() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-for command in (simulate, fit, export, reproduce, render):
+for command in (simulate, fit, export, compare, reproduce, render):
     commands.add_command(command)
 
 

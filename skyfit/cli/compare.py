@@ -1,0 +1,75 @@
+"""`skyfit compare`: the same sky through every model, as a table."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+
+import skyfit
+
+from .options import as_json
+from .output import print_json
+
+
+@click.command()
+@click.option(
+    "--sun-zenith-deg",
+    type=click.FloatRange(0, 180),
+    required=True,
+    help="Zenith angle of the sun, in degrees.",
+)
+@click.option("--turbidity", type=click.FloatRange(min=1), required=True, help="1 or more.")
+@click.option(
+    "--fit",
+    "fits",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="A fit file to compare as well; may be repeated.",
+)
+@as_json
+def compare(sun_zenith_deg: float, turbidity: float, fits: tuple[Path, ...], as_json: bool) -> int:
+    """Print the same sky through every model side by side."""
+    known = {path.name: skyfit.load_fit(path) for path in fits}
+    rows = skyfit.compare_skies(math.radians(sun_zenith_deg), turbidity, fits=known)
+    if as_json:
+        print_json({"sun_zenith_deg": sun_zenith_deg, "turbidity": turbidity, "skies": rows})
+    else:
+        _print_rows(rows, f"Sun {sun_zenith_deg:g}° from the zenith, turbidity {turbidity:g}")
+    return 0
+
+
+def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    table.add_column("", no_wrap=True)
+    heads = ("zenith", "45° sun", "aside", "opposite", "85° aside", "sun/opp.", "diffuse",
+             "zenith x y", "85° x y")  # fmt: skip
+    for head in heads:
+        table.add_column(head, justify="right", no_wrap=True)
+    for row in rows:
+        luminances = [_thousands(value) for value in row["luminance"].values()]
+        ratio = row["sun_side_ratio"]
+        table.add_row(
+            f"{row['model']}{' *' if row['outside'] else ''}",
+            *luminances,
+            "" if ratio is None else f"{ratio:.2f}",
+            _thousands(row["diffuse_illuminance"]),
+            *(f"{x:.3f} {y:.3f}" for x, y in row["chromaticity"].values()),
+        )
+    # As wide as the table, whatever it is printed to.
+    terminal = Console(highlight=False, width=120)
+    with terminal.capture() as printed:
+        terminal.print(table)
+    for line in printed.get().splitlines():
+        terminal.print(line.rstrip())
+    terminal.print("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
+    for row in rows:
+        if row["outside"]:
+            terminal.print(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
+
+
+def _thousands(value: float) -> str:
+    return f"{value / 1000:#.3g}".rstrip(".")

@@ -1,0 +1,88 @@
+"""The models that are compared: one line each in `MODELS`."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._typing import ArrayLike
+from ..colour import spectrum_to_xyY
+from ..models import preetham_sky
+from ..preetham_air import preetham_atmosphere
+from ..transfer.simulate_sky import Sky, simulate
+
+
+@runtime_checkable
+class HasColour(Protocol):
+    """What a model must have to be compared: `xyY` as in `skyfit.models.base`."""
+
+    def xyY(
+        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
+    ) -> Float[Array, "*batch 3"]:
+        """Chromaticity x, y and luminance Y [cd m⁻²]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """The sky that is looked at.
+
+    Attributes:
+        sun_zenith: [rad].
+        turbidity: 1 or more.
+    """
+
+    sun_zenith: float
+    turbidity: float
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A row of the table.
+
+    Attributes:
+        name: What the row is called.
+        sky: Makes the model for the conditions; its `valid_range`, if it has one, is heeded.
+        package: What must be installed beside skyfit, if anything.
+    """
+
+    name: str
+    sky: Callable[[Conditions], HasColour]
+    package: str = ""
+
+
+# The simulation is by draft quality and 20 nm, within 1 or 2 % of the converged one.
+WAVELENGTHS = np.arange(380.0, 781.0, 20.0)
+
+
+class SimulatedSky:
+    """The paper's air and haze simulated, up to an order of scattering."""
+
+    def __init__(self, turbidity: float, orders: int | None):
+        self.turbidity, self.orders = turbidity, orders
+
+    def xyY(
+        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
+    ) -> Float[Array, "*batch 3"]:
+        """Chromaticity x, y and luminance Y [cd m⁻²]."""
+        views = (tuple(np.ravel(angle).tolist()) for angle in (view_zenith, relative_azimuth))
+        sky = _simulated(self.turbidity, float(np.asarray(sun_zenith)), *views)
+        light = sky.radiance if self.orders is None else sky.by_order[: self.orders].sum(axis=0)
+        return spectrum_to_xyY(light, WAVELENGTHS)
+
+
+@lru_cache(maxsize=2)  # one simulation serves the rows of every order
+def _simulated(turbidity: float, sun: float, view: tuple, azimuth: tuple) -> Sky:
+    air = preetham_atmosphere(turbidity, wavelengths=WAVELENGTHS)
+    return simulate(air, sun, np.array(view), np.array(azimuth), orders=None, quality="draft")
+
+
+MODELS = (
+    Entry("simulated, single scattering", lambda at: SimulatedSky(at.turbidity, 1)),
+    Entry("simulated, two orders", lambda at: SimulatedSky(at.turbidity, 2)),
+    Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
+    Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
+)
