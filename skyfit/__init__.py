@@ -33,9 +33,12 @@ if TYPE_CHECKING:
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
     from .export import export_fit as export_fit
     from .fitting import (
+        Dependence as Dependence,
+        FormulaFit as FormulaFit,
         SkyFit as SkyFit,
         fit_sky as fit_sky,
         load_fit as load_fit,
+        positivity as positivity,
         recovery_error as recovery_error,
         shape_error as shape_error,
     )
@@ -67,7 +70,16 @@ _NAMES = {
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
     "export": ("export_fit",),
-    "fitting": ("SkyFit", "fit_sky", "load_fit", "recovery_error", "shape_error"),
+    "fitting": (
+        "Dependence",
+        "FormulaFit",
+        "SkyFit",
+        "fit_sky",
+        "load_fit",
+        "positivity",
+        "recovery_error",
+        "shape_error",
+    ),
     "measurements": ("cornell_skies",),
     "models": ("preetham_sky",),
     "preetham_air": ("preetham_atmosphere",),

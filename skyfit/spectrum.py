@@ -81,6 +81,30 @@ def daylight_basis(wavelengths: ArrayLike) -> Float[Array, "*batch 3"]:
     return _columns_at(lam, jnp.asarray(nodes, lam.dtype), jnp.asarray(values, lam.dtype))
 
 
+def linear_in_wavelength(
+    values: Float[Array, "*batch band"], bands: Float[Array, " band"], wavelengths: ArrayLike
+) -> Float[Array, "*batch wavelength"]:
+    """Spectra between the wavelengths at which they are known.
+
+    Args:
+        values: At the bands, on the last axis.
+        bands: Increasing [nm].
+        wavelengths: One axis, within the bands [nm].
+
+    Raises:
+        ValueError: A wavelength beyond the bands.
+    """
+    lam = jnp.atleast_1d(as_float(wavelengths)).astype(values.dtype)
+    ends = bands[0].astype(lam.dtype), bands[-1].astype(lam.dtype)
+    lam = check(
+        lam,
+        lambda v: ~((v >= ends[0]) & (v <= ends[1])),
+        "radiance(wavelengths=...) must lie within the model's bands",
+    )
+    shares = _columns_at(lam, bands.astype(lam.dtype), jnp.eye(bands.size, dtype=lam.dtype))
+    return values @ shares.T
+
+
 @jax.jit
 def _columns_at(wavelengths, nodes, values):
     return jnp.stack([jnp.interp(wavelengths, nodes, column) for column in values.T], axis=-1)

@@ -46,7 +46,8 @@ def test_a_fit_comes_back_equal(fit, saved):
 
 def test_a_file_says_what_it_is_and_where_it_is_from(saved):
     document = json.loads(saved.read_text())
-    assert document["schema"] == "skyfit/fit/1"
+    assert document["schema"] == "skyfit/fit/2"
+    assert document["form"] == "published"
     assert document["provenance"]["data"] == {"title": "skies of a model"}
     assert "jax" in document["provenance"]["versions"]
     assert document["parameter_range"] == [2.0, 6.0]

@@ -1,12 +1,8 @@
-"""The result of a fit, and its file: a JSON document that outlives the program that wrote it."""
+"""The result of a fit in the published form, and what its file holds."""
 
 import dataclasses
-import json
-import platform
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +13,11 @@ from ..models.perez import CHANNELS, PerezSky
 from ..models.preetham import warn_outside
 from ..models.zenith import CubicZenith, TangentZenith
 from .diagnostics import Diagnostics
+from .document import array_of, diagnostics_from, write_document
+from .positivity import Positivity
 
 
-SCHEMA = "skyfit/fit/1"
+FORM = "published"  # of a file's document: A to E linear in the parameter, the paper's zenith
 
 
 @dataclass(frozen=True)
@@ -59,6 +57,8 @@ class SkyFit:
         two_stage: The fit in two stages, for comparison; None if nothing was swept.
         settings: Choices the fit was made with.
         provenance: Attributes of the data, and the versions that made the fit.
+        positivity: How far from negative light and impossible colours the sky stays; None if it
+            was not looked at.
     """
 
     coefficients: dict[str, Float[np.ndarray, "5 2"]]
@@ -73,6 +73,7 @@ class SkyFit:
     two_stage: dict[str, TwoStage] | None
     settings: dict[str, Any]
     provenance: dict[str, Any]
+    positivity: Positivity | None = None
 
     def sky(self, **swept: ArrayLike) -> PerezSky:
         """The fitted sky model.
@@ -113,51 +114,35 @@ class SkyFit:
         Raises:
             ValueError: There is a file that is no fit of skyfit: it is not replaced.
         """
-        target = Path(path)
-        if target.exists():
-            _read_document(target)
-        document = {"schema": SCHEMA, **plain(dataclasses.asdict(self))}
-        target.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        write_document(path, FORM, dataclasses.asdict(self))
 
-
-def load_fit(path: str | PathLike[str]) -> SkyFit:
-    """Read a fit back.
-
-    Raises:
-        FileNotFoundError: There is no such file.
-        ValueError: It is not a fit, is of a later version, or a key is missing or of wrong shape;
-            the message names the file and the key.
-    """
-    document = _read_document(Path(path))
-    try:
-        fields = {field.name: document[field.name] for field in dataclasses.fields(SkyFit)}
+    @classmethod
+    def from_document(cls, path: str | PathLike[str], document: dict[str, Any]) -> "SkyFit":
+        """The fit of a file's document; a missing key raises KeyError."""
+        document = {"positivity": None, **document}  # schema 1 had none
+        fields = {field.name: document[field.name] for field in dataclasses.fields(cls)}
         for name in ("coefficients", "standard_errors"):
             fields[name] = {
-                channel: _array(path, f"{name}.{channel}", fields[name][channel], (5, 2))
+                channel: array_of(path, f"{name}.{channel}", fields[name][channel], (5, 2))
                 for channel in CHANNELS
             }
         for name in ("zenith", "zenith_standard_errors"):
+            tables = fields[name]
             fields[name] = {
                 channel: {
-                    key: _array(path, f"{name}.{channel}.{key}", fields[name][channel][key], shape)
+                    key: array_of(path, f"{name}.{channel}.{key}", tables[channel][key], shape)
                     for key, shape in _ZENITH_SHAPES[channel].items()
                 }
                 for channel in CHANNELS
             }
         for name in ("parameter_range", "sun_zenith_range"):
             fields[name] = tuple(fields[name]) if fields[name] is not None else None
-        fields["diagnostics"] = {c: _diagnostics(d) for c, d in fields["diagnostics"].items()}
+        fields["diagnostics"] = {c: diagnostics_from(d) for c, d in fields["diagnostics"].items()}
         if fields["two_stage"] is not None:
             fields["two_stage"] = {c: _two_stage(d) for c, d in fields["two_stage"].items()}
-    except KeyError as error:
-        raise ValueError(f"{path}: key {error} is missing") from error
-    return SkyFit(**fields)
-
-
-def _diagnostics(record: dict[str, Any]) -> Diagnostics:
-    fields: dict[str, Any] = {f.name: record[f.name] for f in dataclasses.fields(Diagnostics)}
-    fields["unidentified"] = tuple(fields["unidentified"])
-    return Diagnostics(**fields)
+        if fields["positivity"] is not None:
+            fields["positivity"] = Positivity(**fields["positivity"])
+        return cls(**fields)
 
 
 def _two_stage(record: dict[str, Any]) -> TwoStage:
@@ -171,48 +156,3 @@ _ZENITH_SHAPES = {
     "y": {"matrix": (3, 4)},
     "Y": {"linear": (4,), "angle": (2,)},
 }
-
-
-def _array(path, key: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    try:
-        array = np.array(value, float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: {key}: expected {shape} numbers; {error}") from error
-    if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{path}: {key}: expected {shape} numbers; got shape {array.shape}")
-    return array
-
-
-def _read_document(path: Path) -> dict[str, Any]:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: expected a fit in JSON; {error}") from error
-    schema = document.get("schema", "missing") if isinstance(document, dict) else "missing"
-    if schema != SCHEMA:
-        raise ValueError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
-    return document
-
-
-def plain(value: Any) -> Any:
-    """The same in dictionaries, lists, numbers and words alone, for JSON."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    return str(value)
-
-
-def versions() -> dict[str, str]:
-    """Versions of what a fit's numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in ("skyfit", "jax", "equinox", "optimistix", "lineax", "numpy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unreleased"
-    return found

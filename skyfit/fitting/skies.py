@@ -39,9 +39,12 @@ class Skies:
         sun_zenith: [rad].
         view_zenith: [rad].
         relative_azimuth: [rad].
-        values: For x, y, Y (in cd m⁻²), all finite.
+        values: For x, y, Y (in cd m⁻²), or the channels named, all finite.
         zenith: Values at the zenith; None if no direction is the zenith.
         shape: Of the dataset's sky dimensions, before they were put in a row.
+        channels: Names of the channels.
+        kind: Of the channels: "Yxy", "XYZ", "RGB" or "bands".
+        wavelengths: Of spectral bands [nm].
     """
 
     parameter_name: str | None
@@ -52,6 +55,9 @@ class Skies:
     values: Float[np.ndarray, "channel sky direction"]
     zenith: Float[np.ndarray, "channel sky"] | None
     shape: tuple[int, ...]
+    channels: tuple[str, ...] = CHANNELS
+    kind: str = "Yxy"
+    wavelengths: Float[np.ndarray, " channel"] | None = None
 
     @cached_property
     def gamma(self) -> Float[np.ndarray, "sky direction"]:
@@ -149,7 +155,7 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
         view_zenith=view,
         relative_azimuth=azimuth,
         values=values,
-        zenith=_zenith_values(view, values),
+        zenith=zenith_values(view, values),
         shape=shape,
     )
 
@@ -199,7 +205,9 @@ def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
             )
 
 
-def _zenith_values(view, values):
+def zenith_values(
+    view: Float[np.ndarray, "sky direction"], values: Float[np.ndarray, "channel sky direction"]
+) -> Float[np.ndarray, "channel sky"] | None:
     """Mean of the directions at the zenith, if every sky has one."""
     at = view <= _ZENITH
     if not at.any(axis=1).all():

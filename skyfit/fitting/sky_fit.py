@@ -10,6 +10,13 @@ from jaxtyping import Bool, Float, Int
 
 from .._typing import as_float
 from ..models.perez import CHANNELS, COEFFICIENTS
+from ..models.shapes import AbstractShape
+from .channels import Channels, read_channels
+from .choices import (
+    Dependence,
+    chosen_dependence,
+    chosen_shape,
+)
 from .diagnostics import (
     Diagnostics,
     condition_number,
@@ -18,8 +25,12 @@ from .diagnostics import (
     line_with_errors,
     loose_combinations,
 )
+from .document import plain, versions
+from .formula_fit import fit_formula
+from .formula_record import FormulaFit
 from .groups import MAX_VIEW_ZENITH, PRIOR, BatchFit, FitSettings, Starts, fit_groups
-from .record import SkyFit, TwoStage, plain, versions
+from .positivity import positivity
+from .record import SkyFit, TwoStage
 from .shape import shape_residuals
 from .skies import Residuals, Skies, Weights, read_skies
 from .zenith import ZenithFit, fit_zenith_chromaticity, fit_zenith_luminance
@@ -32,44 +43,64 @@ if TYPE_CHECKING:
 def fit_sky(
     data: "xr.Dataset",
     *,
+    distribution: str | AbstractShape = "perez",
+    dependence: str | Dependence = "linear",
+    channels: Channels = "Yxy",
     weights: Weights = "equal",
     residuals: Residuals = "relative",
     max_view_zenith: float = float(MAX_VIEW_ZENITH),
-    prior: float = PRIOR,
+    prior: float | None = None,
     starts: Starts | None = None,
-) -> SkyFit:
-    """Fit Perez's formula to the luminance and chromaticity of skies.
+) -> SkyFit | FormulaFit:
+    """Fit a formula to skies: by default Perez's, as Preetham et al. (1999) do.
 
-    For each of x, y and Y the ten numbers of five coefficients linear in the swept parameter are
-    fitted to all skies at once by Levenberg-Marquardt; then the zenith's luminance and
-    chromaticity over the sun and the parameter. For comparison `SkyFit.two_stage` has what
+    By default, for each of x, y and Y the ten numbers of five coefficients linear in the swept
+    parameter are fitted to all skies at once by Levenberg-Marquardt; then the zenith's luminance
+    and chromaticity over the sun and the parameter. For comparison `SkyFit.two_stage` has what
     Preetham et al. (1999) describe: five coefficients for each value of the parameter, and a line
-    through them.
+    through them. Any other distribution, dependence or channels is fitted as
+    `skyfit.fitting.formula_fit` describes.
 
     Where no direction is the zenith, each sky's zenith value is a free parameter.
 
     Args:
         data: Skies in the form of `skyfit.dataset`, simulated or measured.
+        distribution: "perez", "cie", "hosek-wilkie", "series", or one of
+            `skyfit.models.shapes` with settings of its own.
+        dependence: Of the coefficients, on the swept parameter and the sun: "linear" in the
+            parameter, "polynomial" in both, linear between "nodes", or a `Dependence`.
+        channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
+            wavelengths of spectral bands [nm].
         weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
         residuals: "relative" (model / data - 1) or "absolute" (over the RMS of the data).
         max_view_zenith: Leave out directions closer to the horizon [rad].
         prior: Multiplies the loss by 1 + prior |u - u₀|², u being the free coordinates of
             `PerezDistribution` and u₀ the first of its starts: what the skies do not determine
-            stays near it, and perfect data are fitted perfectly.
-        starts: Coefficients A to E to start from, by channel.
+            stays near it, and perfect data are fitted perfectly. Other formulas than the default
+            have a prior of their own, see `skyfit.fitting.formula_fit`.
+        starts: Coefficients A to E to start from, by channel; for the default formula only.
 
     Returns:
-        Coefficients, their standard errors, and what a sceptic asks of them.
+        Coefficients, their standard errors, and what a sceptic asks of them: a `SkyFit` for the
+        default formula, a `FormulaFit` for any other.
 
     Raises:
         ValueError: The data are incomplete or cannot be fitted; an unknown choice.
     """
-    settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
+    settings = FitSettings(
+        weights, residuals, max_view_zenith, PRIOR if prior is None else prior, starts
+    )
+    if (distribution, dependence, channels) != ("perez", "linear", "Yxy"):
+        shape, choice = chosen_shape(distribution), chosen_dependence(dependence)
+        if starts is not None:
+            raise ValueError("fit_sky(starts=...): only the default formula takes starts")
+        skies = read_channels(data, channels)
+        return fit_formula(skies, settings, shape, choice, prior=prior, provenance=data.attrs)
     skies = read_skies(data)
     joint = fit_groups(skies, settings, "all")
     lines, errors, diagnostics = _read_joint(joint, skies)
     zenith = _zenith(skies, joint)
-    return SkyFit(
+    fit = SkyFit(
         coefficients=lines,
         standard_errors=errors,
         zenith={name: fit.numbers for name, fit in zenith.items()},
@@ -87,6 +118,7 @@ def fit_sky(
         },
         provenance={"data": plain(dict(data.attrs)), "versions": versions()},
     )
+    return dataclasses.replace(fit, positivity=positivity(fit))
 
 
 class EachSky(NamedTuple):

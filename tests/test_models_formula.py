@@ -1,0 +1,254 @@
+"""Shapes, bases and the sky model made of them: hand values, limits, gradients."""
+
+import itertools
+import json
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from skyfit._typing import as_float
+from skyfit.angles import unit_vector, view_sun_angle
+from skyfit.colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz
+from skyfit.models.basis import Nodes, Polynomial, basis_from
+from skyfit.models.formula import FormulaSky
+from skyfit.models.shapes import SHAPES, SeriesShape, shape_from
+
+
+BASES = {
+    "polynomial": Polynomial((2.0, 6.0), (0.1, 1.4), 2, 3),
+    "cosine": Polynomial((2.0, 6.0), (0.1, 1.4), 1, 2, "cosine"),
+    "root": Polynomial((2.0, 6.0), (0.1, 1.4), 1, 2, "cube root of elevation"),
+    "nodes": Nodes([2.0, 3.0, 6.0], [0.1, 0.8, 1.1, 1.4]),
+}
+
+
+PAIRS = [
+    ("perez", "nodes"),
+    ("cie", "cosine"),
+    ("hosek-wilkie", "root"),
+    ("series", "polynomial"),
+]
+
+
+def numbers_of(shape, basis, seed=0):
+    """Free numbers near the shape's start that change a little with parameter and sun."""
+    rng = np.random.default_rng(seed)
+    table = 0.05 * rng.standard_normal((3, len(shape.names), basis.num_terms))
+    start = np.array(shape.starts()[0])
+    if isinstance(basis, Nodes):
+        return table + start[:, None]
+    table[..., 0] += start
+    return table
+
+
+def sky_of(shape, basis, kind="XYZ", wavelengths=None, parameter=3.0):
+    scales = np.zeros((3, basis.num_terms))
+    scales[:, 0] = 1.0
+    return FormulaSky(
+        parameter=as_float(parameter),
+        numbers=as_float(numbers_of(shape, basis)),
+        scales=as_float(scales),
+        dimming=as_float([4.0, 4.0, 4.0]),
+        basis=basis,
+        scale_basis=basis,
+        shape=shape,
+        wavelengths=None if wavelengths is None else as_float(wavelengths),
+        kind=kind,
+        parameter_name="turbidity",
+        parameter_range=(2.0, 6.0),
+        sun_zenith_range=(0.1, 1.4),
+    )
+
+
+def by_hand(name, c, theta, gamma):
+    """The formulas once more, a number at a time, as they are printed."""
+    if name == "series":
+        r, k, g = (0.15, 0.5, 1.5), (1.0, 4.0), 0.6
+        m = 1 / (math.cos(theta) + 0.01)
+        one = [1.0, *(math.exp(-x * m) for x in r)]
+        chi = (1 + math.cos(gamma) ** 2) / (1 + g**2 - 2 * g * math.cos(gamma)) ** 1.5
+        two = [1.0, math.cos(gamma), math.cos(gamma) ** 2]
+        two += [*(math.exp(-x * gamma) for x in k), chi]
+        return sum(w * a * b for w, (a, b) in zip(c, itertools.product(one, two), strict=True))
+    if name == "hosek-wilkie":
+        a, b, cc, d, e, f, g, h, i = c
+        chi = (1 + math.cos(gamma) ** 2) / (1 + h**2 - 2 * h * math.cos(gamma)) ** 1.5
+        return (1 + a * math.exp(b / (math.cos(theta) + 0.01))) * (
+            cc
+            + d * math.exp(e * gamma)
+            + f * math.cos(gamma) ** 2
+            + g * chi
+            + i * math.sqrt(math.cos(theta))
+        )
+    a, b, cc, d, e = c
+    glow = math.exp(d * gamma) - (math.exp(d * math.pi / 2) if name == "cie" else 0.0)
+    gradation = 1 + a * math.exp(b / math.cos(theta))
+    return gradation * (1 + cc * glow + e * math.cos(gamma) ** 2)
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_a_shape_is_the_printed_formula(name):
+    shape = shape_from({"name": name})
+    rng = np.random.default_rng(3)
+    free = as_float(np.array(shape.starts()[0]) + 0.1 * rng.standard_normal(len(shape.names)))
+    coefficients = shape.coefficients(free)
+    for theta, gamma in ((0.0, 0.0), (0.4, 1.0), (1.3, 0.2), (1.5, 3.0)):
+        angles = [as_float(v) for v in (math.cos(theta), gamma, math.cos(gamma))]
+        expected = by_hand(name, np.asarray(coefficients).tolist(), theta, gamma)
+        assert float(shape.value(coefficients, *angles)) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_standard_clear_sky_of_the_cie_has_its_tabulated_zenith_factor():
+    # CIE S 011, type 12: a -1, b -0.32, c 10, d -3, e 0.45. By hand for a sun at 60° and a view
+    # at 30° towards it, γ = 30°: gradation 1 - e^{-0.32/cos 30°} = 0.308923 over 1 - e^{-0.32} =
+    # 0.273851; indicatrix 1 + 10 (e^{-π/2} - e^{-3π/2}) + 0.45 cos² 30° = 3.326467 over that of
+    # γ = 60°, 1 + 10 (e^{-π} - e^{-3π/2}) + 0.45 / 4 = 1.454806.
+    shape = shape_from({"name": "cie"})
+    coefficients = shape.coefficients(as_float(shape.starts()[0]))
+    view, zenith = (
+        float(shape.value(coefficients, *map(as_float, (c, g, math.cos(g)))))
+        for c, g in ((math.cos(math.pi / 6), math.pi / 6), (1.0, math.pi / 3))
+    )
+    assert view / zenith == pytest.approx(0.308923 / 0.273851 * 3.326467 / 1.454806, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["polynomial", "cosine", "root"])
+def test_polynomial_terms_are_chebyshev(name):
+    basis = BASES[name]
+    function = {
+        "polynomial": lambda s: s,
+        "cosine": math.cos,
+        "root": lambda s: (math.pi / 2 - s) ** (1 / 3),
+    }[name]
+    low, high = function(0.1), function(1.4)
+    u, v = 2 * (3.5 - 2) / 4 - 1, 2 * (function(0.9) - low) / (high - low) - 1
+    expected = [
+        math.cos(i * math.acos(u)) * math.cos(j * math.acos(v))
+        for i in range(basis.parameter_degree + 1)
+        for j in range(basis.sun_degree + 1)
+    ]
+    terms = basis.terms(as_float(3.5), as_float(0.9))
+    np.testing.assert_allclose(terms, expected, atol=1e-14)
+
+
+def test_nodes_interpolate_linearly():
+    basis = BASES["nodes"]
+    table = np.arange(12.0).reshape(3, 4) ** 2
+    for parameter, sun in ((2.0, 0.1), (2.5, 0.8), (6.0, 1.4), (5.0, 1.0), (9.0, 0.0)):
+        row = [np.interp(sun, basis.sun_zenith, line) for line in table]
+        expected = np.interp(parameter, basis.parameter, row)
+        got = table.ravel() @ np.asarray(basis.terms(as_float(parameter), as_float(sun)))
+        assert got == pytest.approx(expected, abs=1e-12)
+    straight = np.add.outer(np.asarray(basis.parameter), np.asarray(basis.sun_zenith)).ravel()
+    assert straight @ basis.roughness() @ straight == pytest.approx(0, abs=1e-14)
+    assert table.ravel() @ basis.roughness() @ table.ravel() > 1
+
+
+@pytest.mark.parametrize("name", sorted(BASES))
+def test_bases_and_shapes_come_back_from_their_description(name):
+    basis = basis_from(json.loads(json.dumps(BASES[name].describe())))
+    at = as_float(4.3), as_float(0.7)
+    np.testing.assert_array_equal(basis.terms(*at), BASES[name].terms(*at))
+    shape = shape_from(json.loads(json.dumps(SeriesShape((0.3,), (0, 2)).describe())))
+    assert shape.names == ("w00", "w01", "w02", "w03", "w04", "w10", "w11", "w12", "w13", "w14")
+    with pytest.raises(ValueError, match="expected a distribution of"):
+        shape_from({"name": "lambert"})
+    with pytest.raises(ValueError, match="expected a dependence of kind"):
+        basis_from({"kind": "spline", "parameter": [], "sun_zenith": []})
+
+
+@pytest.mark.parametrize(("name", "basis"), PAIRS)
+def test_a_channel_is_its_scale_times_its_shape(name, basis):
+    shape, terms = shape_from({"name": name}), BASES[basis].terms(as_float(3.0), as_float(0.9))
+    sky = sky_of(shape, BASES[basis])
+    theta, azimuth = 1.1, 0.7
+    gamma = float(view_sun_angle(*map(as_float, (theta, 0.9, azimuth))))
+    got = sky.channels(0.9, theta, azimuth)
+    factor = math.exp(float((sky.scales @ terms)[0]))
+    for k in range(3):
+        c = np.asarray(shape.coefficients(sky.numbers[k] @ terms)).tolist()
+        expected = factor * by_hand(name, c, theta, gamma)
+        if shape.relative:
+            expected /= by_hand(name, c, 0.0, 0.9)
+        assert float(got[k]) == pytest.approx(expected, rel=1e-12)
+
+
+def test_every_kind_of_channels_is_the_same_sky_in_every_unit():
+    shape, basis, at = SeriesShape(), BASES["polynomial"], (0.9, 1.1, 0.7)
+    bands = (450.0, 550.0, 650.0)
+    for kind, to_xyz in (
+        ("XYZ", lambda v: v),
+        ("RGB", rgb_to_xyz),
+        ("Yxy", xyY_to_xyz),
+        ("bands", lambda v: spectrum_to_xyz(v, bands)),
+    ):
+        sky = sky_of(shape, basis, kind, bands if kind == "bands" else None)
+        expected = to_xyz(sky.channels(*at))
+        vectors = (
+            unit_vector(as_float(1.1), as_float(0.7)),
+            unit_vector(as_float(0.9), as_float(0.0)),
+        )
+        np.testing.assert_allclose(sky.xyz(*vectors), expected, rtol=1e-9)
+        np.testing.assert_allclose(xyY_to_xyz(sky.xyY(*at)), expected, rtol=1e-12)
+    middle = sky.radiance(*at, [450.0, 500.0])
+    values = sky.channels(*at)
+    np.testing.assert_allclose(middle, [values[0], (values[0] + values[1]) / 2], rtol=1e-12)
+    assert sky.valid_range["wavelength"] == (450.0, 650.0)
+    with pytest.raises(ValueError, match="must lie within the model's bands; got 700"):
+        sky.radiance(*at, [700.0])
+
+
+@pytest.mark.parametrize(("name", "basis"), PAIRS)
+def test_derivatives_are_finite_everywhere(name, basis):
+    def total(parameter, sun, view, azimuth):
+        return (
+            sky_of(shape_from({"name": name}), BASES[basis], parameter=parameter)
+            .rgb(sun, view, azimuth)
+            .sum()
+        )
+
+    places = np.array(
+        [
+            (3.0, 0.0, 0.0, 0.0),  # sun at the zenith
+            (2.0, 0.8, 0.8, 0.0),  # at the sun, on a node
+            (3.0, 0.8, math.pi / 2, math.pi),  # horizon, opposite
+            (3.0, math.pi / 2, math.pi / 2, math.pi),
+            (3.0, math.pi / 2, math.pi / 2, 0.0),
+            (6.0, 1.4, 1.7, 0.4),  # below the horizon
+            (9.0, 1.9, math.pi, 0.4),  # night, out of range
+        ]
+    )
+    slopes = jax.vmap(jax.grad(total, argnums=(0, 1, 2, 3)))(*as_float(places.T))
+    assert np.isfinite(np.stack(slopes)).all()
+
+
+def test_night_falls_and_nothing_jumps():
+    sky = sky_of(SeriesShape(), BASES["nodes"], "Yxy")
+    suns = as_float([1.4, 1.45, math.pi / 2, math.pi / 2 + math.radians(2.5)])
+    values = np.asarray(sky.channels(suns, 0.0, 0.0))
+    np.testing.assert_allclose(
+        values[1:, 2] / values[:-1, 2],
+        [math.exp(-4 * 0.05), math.exp(-4 * (math.pi / 2 - 1.45)), 0.1],
+        rtol=0.1,
+    )  # the view-sun angle changes a little too
+    for end in (0.1, 0.8, 1.4, math.pi / 2):
+        for view in (0.3, math.pi / 2):
+            a, b = (sky.channels(end + s, view + s, 0.4) for s in (-1e-7, 1e-7))
+            np.testing.assert_allclose(a, b, rtol=1e-4)
+
+
+def test_single_precision_is_kept_and_good(float32):
+    views = np.linspace(0, 1.5, 20)
+    values = sky_of(shape_from({"name": "series"}), basis_of_floats()).rgb(0.9, views, 0.3)
+    assert values.dtype == jnp.float32
+    with jax.enable_x64(True):
+        sky = sky_of(shape_from({"name": "series"}), basis_of_floats())
+        reference = sky.rgb(0.9, views, 0.3)
+    np.testing.assert_allclose(values, reference, rtol=2e-4)
+
+
+def basis_of_floats():
+    return Polynomial((2.0, 6.0), (0.1, 1.4), 2, 3)
