@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting import SkyFit
-from ..fitting.record import versions
+from ..fitting.document import versions
 from ..models.perez import PerezSky
 from ..models.preetham import published_coefficients
 from .description import Description
