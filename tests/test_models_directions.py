@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skyfit.angles import unit_vector, view_sun_angle
-from skyfit.models.directions import align, angle_between, combine, components
+from skyfit.models.directions import align, angle_between, combine, components, in_pieces
 
 
 def vectors(seed, count):
@@ -62,3 +62,17 @@ def test_components_and_combinations_are_exact():
 def test_alignment_adds_leading_axes_only():
     a, b, c = align(jnp.zeros((4, 1, 3)), jnp.zeros(3), jnp.zeros(()))
     assert (a.shape, b.shape, c.shape) == ((4, 1, 3), (1, 1, 3), (1, 1, 1))
+
+
+@pytest.mark.parametrize(("count", "pieces"), [(10, 1), (80_000, 5), (2 * 65_537, 1)])
+def test_pieces_of_many_directions_are_put_together_in_order(count, pieces):
+    sizes = []
+
+    def double(piece):
+        sizes.append(piece.size // 3)
+        return 2 * piece
+
+    direction = jnp.arange(3.0 * count).reshape(2, count // 2, 3)
+    np.testing.assert_array_equal(in_pieces(double, direction), 2 * direction)
+    # Traced once: 80 000 are five times 16 000; twice a prime has no divisor of use.
+    assert sizes[0] * pieces == count

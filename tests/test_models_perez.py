@@ -109,6 +109,21 @@ def test_float32_vectors_are_within_1e_5_of_float64():
         np.testing.assert_allclose(got, want, rtol=1e-5)
 
 
+def test_a_hundred_thousand_directions_have_the_colours_and_gradients_of_each():
+    rng = np.random.default_rng(5)
+    view = rng.standard_normal((80_000, 3))
+    view = jnp.asarray(view / np.linalg.norm(view, axis=1)[:, None])
+    toward = unit_vector(jnp.asarray(SUN), jnp.asarray(0.0))
+
+    def light(sun, view):
+        return MODEL.xyz(view, sun)[..., 1].sum() / view.shape[0]
+
+    some = slice(0, None, 997)
+    np.testing.assert_allclose(MODEL.xyz(view, toward)[some], MODEL.xyz(view[some], toward))
+    halves = [jax.grad(light)(toward, half) for half in (view[:40_000], view[40_000:])]
+    np.testing.assert_allclose(jax.grad(light)(toward, view), sum(halves) / 2, rtol=1e-12)
+
+
 def test_a_view_below_the_horizon_sees_the_horizons_brightness():
     # The gradation is held; the angle to the sun goes on.
     below, at = MODEL.relative(SUN, np.pi / 2 + 0.01, 0.5), MODEL.relative(SUN, np.pi / 2, 0.5)

@@ -1,12 +1,16 @@
 """Angles between unit vectors, fast and with finite gradients: the geometry of `model.xyz`."""
 
 import math
+from collections.abc import Callable
 from functools import cache
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
+
+
+_LARGEST_PIECE = 16384  # directions: 200 kB in float32
 
 
 def components(
@@ -70,6 +74,30 @@ def arcsine_ratio(degree: int) -> tuple[float, ...]:
     fit = np.polynomial.Chebyshev.interpolate(ratio, degree, domain=[0.0, 0.5])
     power = fit.convert(kind=np.polynomial.Polynomial, domain=[-1, 1], window=[-1, 1])
     return tuple(float(c) for c in power.coef)
+
+
+def in_pieces(
+    evaluate: Callable[[Float[Array, "piece 3"]], Float[Array, "piece 3"]],
+    direction: Float[Array, "*batch 3"],
+) -> Float[Array, "*batch 3"]:
+    """Evaluate many directions piece by piece, so that what lies between stays in a CPU's cache.
+
+    A million float32 directions of the Perez sky take 12 ms this way and up to 25 at once: fresh
+    memory for every intermediate result costs more than the formula. Few directions, and numbers
+    of them without a suitable divisor, are evaluated at once.
+    """
+    size = _piece(math.prod(direction.shape[:-1]))
+    if size is None or jax.default_backend() != "cpu":
+        return evaluate(direction)
+    pieces = direction.reshape(-1, size, 3)
+    return jax.lax.map(evaluate, pieces).reshape(direction.shape)
+
+
+def _piece(count: int) -> int | None:
+    """A divisor of a large number that is a good number of directions to evaluate at once."""
+    if count < 4 * _LARGEST_PIECE:
+        return None
+    return next((n for n in range(_LARGEST_PIECE, _LARGEST_PIECE // 4, -1) if count % n == 0), None)
 
 
 def align(*arrays: Float[Array, "..."]) -> tuple[Float[Array, "..."], ...]:

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, as_float
 from ..angles import view_sun_angle
 from .base import AbstractSkyModel
-from .directions import align, angle_between, combine, components
+from .directions import align, angle_between, combine, components, in_pieces
 from .zenith import CubicZenith, TangentZenith
 
 
@@ -155,6 +155,12 @@ def _geometry(sky, sun_zenith, view_zenith, relative_azimuth):
 
 @eqx.filter_jit
 def _xyz(sky, direction, sun_direction):
+    if sun_direction.ndim > 1 or sky.parameter.ndim > 0:
+        return _xyz_at_once(sky, direction, sun_direction)
+    return in_pieces(lambda piece: _xyz_at_once(sky, piece, sun_direction), direction)
+
+
+def _xyz_at_once(sky, direction, sun_direction):
     *split, parameter = align(*components(direction), *components(sun_direction), sky.parameter)
     view, sun = tuple(split[:3]), tuple(split[3:])
     up = jnp.zeros_like(sun[2])

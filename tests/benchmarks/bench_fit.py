@@ -1,4 +1,4 @@
-"""Time and success of the fits, and speed of the published model: prints the measured figures.
+"""Time and success of the fits: prints the measured figures.
 
     python tests/benchmarks/bench_fit.py [SKY.nc SKY.zarr ...]
 
@@ -146,24 +146,9 @@ def bench_fits(data):
     report(f"ratio: {slow / (full + joint):.1f} (first try: {slow / (one + joint):.1f})")
 
 
-def bench_model():
-    """Directions per second through `xyz` in float32."""
-    rng = np.random.default_rng(2)
-    view = rng.standard_normal((10**6, 3))
-    view[:, 2] = np.abs(view[:, 2])
-    view = jnp.asarray(view / np.linalg.norm(view, axis=1)[:, None], jnp.float32)
-    sun = jnp.asarray([np.sin(1.0), 0.0, np.cos(1.0)], jnp.float32)
-    model = jax.tree.map(lambda a: a.astype(jnp.float32), preetham_sky(3.0))
-    evaluate, exponential = jax.jit(lambda v, s: model.xyz(v, s)), jax.jit(jnp.exp)
-    best = seconds(lambda: evaluate(view, sun), repeat=60)
-    control = seconds(lambda: exponential(view), repeat=60)
-    report(f"xyz, float32: {1 / best:.1f} million directions/s; exp alone {3 / control:.0f}")
-
-
 def main():
     """Run everything."""
     jax.config.update("jax_enable_x64", True)
-    bench_model()
     for data in [load(path) for path in sys.argv[1:]] or [jittered_skies(0), jittered_skies(3)]:
         bench_fits(data)
 
