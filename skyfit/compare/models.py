@@ -13,6 +13,7 @@ from ..colour import spectrum_to_xyY
 from ..models import preetham_sky
 from ..preetham_air import preetham_atmosphere
 from ..transfer.simulate_sky import Sky, simulate
+from .peers import HosekWilkieSky
 
 
 @runtime_checkable
@@ -85,4 +86,5 @@ MODELS = (
     Entry("simulated, two orders", lambda at: SimulatedSky(at.turbidity, 2)),
     Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
+    Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
 )

@@ -1,0 +1,56 @@
+"""Hosek and Wilkie's sky against values of another implementation.
+
+`reference/hosek_wilkie_skies.csv` is from E. Bruneton's clear-sky-models (see the README
+there), turbidity 2.53; that code puts the spectrum of another sun in place of the tables' own, so that absolute
+values differ by a factor of the wavelength alone.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skyfit.compare import compare_skies
+from skyfit.compare.models import MODELS
+from skyfit.compare.peers import HosekWilkieSky
+
+
+TABLE = np.genfromtxt(
+    Path(__file__).parent / "reference" / "hosek_wilkie_skies.csv", delimiter=",", skip_header=1
+)
+SUN = np.radians(40.0)
+
+
+@pytest.mark.parametrize("wavelength", np.unique(TABLE[:, 0]))
+def test_skies_are_those_of_another_implementation(wavelength):
+    rows = TABLE[TABLE[:, 0] == wavelength]
+    sky = HosekWilkieSky(2.53, ground_albedo=rows[0, 1])
+    ratios = []
+    for _, _, sun, view, azimuth, radiance in rows:
+        found = sky.radiance(*np.radians([sun, view, azimuth]), [wavelength])
+        ratios.append(float(found[0]) / radiance)
+    # The factor between the two suns; over directions and suns nothing else is left.
+    assert np.mean(ratios) == pytest.approx(1, abs=0.07)
+    np.testing.assert_allclose(ratios, np.mean(ratios), rtol=0.003)
+
+
+def test_wavelengths_are_asked_for_four_by_four():
+    sky = HosekWilkieSky(3.0)
+    lam = np.linspace(400.0, 700.0, 7)
+    together = sky.radiance(SUN, 0.3, 0.2, lam)
+    one_by_one = [sky.radiance(SUN, 0.3, 0.2, [wavelength])[0] for wavelength in lam]
+    np.testing.assert_allclose(together, one_by_one, rtol=1e-6)
+
+
+def test_the_sky_is_black_at_night_and_turbidity_is_held():
+    assert not np.any(HosekWilkieSky(3.0).xyY(np.radians(91.0), 0.3, 0.2)[2])
+    held = HosekWilkieSky(12.0).xyY(SUN, 0.3, 0.2), HosekWilkieSky(10.0).xyY(SUN, 0.3, 0.2)
+    np.testing.assert_allclose(*held, rtol=1e-12)
+
+
+def test_it_is_a_row_of_the_table():
+    (entry,) = [entry for entry in MODELS if entry.package == "mitsuba"]
+    (row,) = compare_skies(SUN, 11.0, models=[entry])
+    assert row["model"] == "Hosek–Wilkie 2012"
+    assert row["outside"] == ["turbidity is valid from 1 to 10"]
+    assert 3e3 < row["diffuse_illuminance"] < 1e5
