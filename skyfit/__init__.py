@@ -27,10 +27,11 @@ if TYPE_CHECKING:
         ward_larson_aerial as ward_larson_aerial,
     )
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
-    from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
-    from .campaign_file import load_campaign as load_campaign
+    from .campaign import Campaign as Campaign
+    from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
+    from .description import PaperAtmosphere as PaperAtmosphere
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
@@ -65,10 +66,11 @@ _NAMES = {
         "ward_larson_aerial",
     ),
     "atmosphere": ("Atmosphere", "Constituent"),
-    "campaign": ("Campaign", "PaperAtmosphere"),
-    "campaign_file": ("load_campaign",),
+    "campaign": ("Campaign",),
+    "campaign_file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
+    "description": ("PaperAtmosphere",),
     "export": ("export_fit",),
     "fitting": (
         "Dependence",

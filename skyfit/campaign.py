@@ -3,13 +3,15 @@
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any
 
 import numpy as np
 from jaxtyping import ArrayLike, Float
 
 from .atmosphere import Atmosphere
-from .preetham_air import PAPER_WAVELENGTHS, preetham_atmosphere
+from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
+from .description.sweep import OBSERVER_ALTITUDE
+from .preetham_air import PAPER_WAVELENGTHS
 from .transfer.quality import QUALITIES
 
 
@@ -22,7 +24,6 @@ PAPER_TURBIDITIES = (2.0, 3.0, 4.0, 5.0, 6.0)
 PAPER_SUN_ZENITHS_DEG = tuple(np.linspace(0.0, 85.0, 12).tolist())
 PAPER_VIEW_ZENITHS_DEG = tuple(np.arange(5.0, 91.0, 5.0).tolist())
 PAPER_RELATIVE_AZIMUTHS_DEG = tuple(np.arange(0.0, 181.0, 10.0).tolist())
-TURBIDITY_MEANINGS = ("optical thickness", "coefficients")
 
 
 def half_dome(
@@ -52,57 +53,23 @@ def paper_directions() -> tuple[Float[np.ndarray, " direction"], Float[np.ndarra
     return half_dome(np.radians(PAPER_VIEW_ZENITHS_DEG), np.radians(PAPER_RELATIVE_AZIMUTHS_DEG))
 
 
-@dataclass(frozen=True)
-class PaperAtmosphere:
-    """The atmosphere of Preetham et al. (1999), all but its turbidity; see `preetham_atmosphere`.
-
-    Args:
-        turbidity_means: The definition by optical thickness, or appendix A.3's coefficients.
-        ozone: Whether 3.5 mm of ozone absorb.
-        ground_albedo: Lambertian, in [0, 1].
-    """
-
-    swept: ClassVar[str] = "turbidity"
-
-    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness"
-    ozone: bool = False
-    ground_albedo: float = 0.0
-
-    def __post_init__(self):
-        """Refuse what no atmosphere can be made of."""
-        _one_of("PaperAtmosphere", "turbidity_means", self.turbidity_means, TURBIDITY_MEANINGS)
-        if not 0 <= self.ground_albedo <= 1:
-            raise ValueError(
-                f"PaperAtmosphere(ground_albedo=...): expected 0 to 1; got {self.ground_albedo}"
-            )
-
-    def build(self, turbidity: ArrayLike, wavelengths: ArrayLike) -> Atmosphere:
-        """The atmosphere of one turbidity at wavelengths [nm]."""
-        return preetham_atmosphere(
-            turbidity,
-            wavelengths=wavelengths,
-            turbidity_means=self.turbidity_means,
-            ozone=self.ozone,
-            ground_albedo=self.ground_albedo,
-        )
-
-
 @dataclass(frozen=True, init=False)
 class Campaign:
     """The skies to simulate; `Campaign()` is the paper's 5 turbidities × 12 suns × 343 directions.
 
     Args:
-        turbidity: Increasing, 1 or more.
+        turbidity: Of the paper's atmosphere, increasing, 1 or more; the paper's five by default.
         sun_zenith: Increasing, in [0, π] [rad].
         view_zenith: Of every direction, in [0, π] [rad].
         relative_azimuth: Of every direction, as many as `view_zenith`; 0 towards the sun [rad].
         wavelengths: Increasing [nm].
-        atmosphere: What the sky is made of, but for the turbidity; the paper's by default.
+        atmosphere: What the sky is made of, but for what is swept; the paper's by default.
         orders: Orders of scattering, 1 or more; None for all.
         geometry: "spherical", "flat" or "paper" (flat where the view zenith is below 70°).
         quality: Size of the simulator's quadratures: "draft", "default" or "high".
         observer_altitude: 0 or more [m].
         keep_orders: Keep the radiance of each order of scattering too.
+        sweep: What is swept where the atmosphere is not the paper's; None for a single one.
 
     Raises:
         ValueError: Naming the argument, what was expected and what came.
@@ -113,26 +80,28 @@ class Campaign:
     view_zenith: tuple[float, ...]
     relative_azimuth: tuple[float, ...]
     wavelengths: tuple[float, ...]
-    atmosphere: PaperAtmosphere
+    atmosphere: PaperAtmosphere | DescribedAtmosphere
     orders: int | None
     geometry: str
     quality: str
     observer_altitude: float
     keep_orders: bool
+    sweep: Sweep | None
 
     def __init__(
         self,
-        turbidity: Values = PAPER_TURBIDITIES,
+        turbidity: Values | None = None,
         sun_zenith: Values | None = None,
         view_zenith: Values | None = None,
         relative_azimuth: Values | None = None,
         wavelengths: Values = PAPER_WAVELENGTHS,
-        atmosphere: PaperAtmosphere | None = None,
+        atmosphere: PaperAtmosphere | DescribedAtmosphere | None = None,
         orders: int | None = 2,
         geometry: str = "spherical",
         quality: str = "default",
         observer_altitude: float = 0.0,
         keep_orders: bool = False,
+        sweep: Sweep | None = None,
     ):
         if (view_zenith is None) != (relative_azimuth is None):
             raise ValueError(
@@ -158,27 +127,47 @@ class Campaign:
             raise ValueError(
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
             )
+        atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
         fields = {
-            "turbidity": _values("turbidity", turbidity, 1.0, np.inf),
+            "turbidity": _turbidities(atmosphere, turbidity, sweep),
             "sun_zenith": _values("sun_zenith", sun_zenith, 0.0, np.pi),
             "view_zenith": angles,
             "relative_azimuth": azimuths,
             "wavelengths": _values("wavelengths", wavelengths, 1.0, 1e6),
-            "atmosphere": PaperAtmosphere() if atmosphere is None else atmosphere,
+            "atmosphere": atmosphere,
             "orders": orders,
             "geometry": geometry,
             "quality": quality,
             "observer_altitude": float(observer_altitude),
             "keep_orders": keep_orders,
+            "sweep": sweep,
         }
         for name, value in fields.items():
             object.__setattr__(self, name, value)
 
     @property
-    def swept(self) -> tuple[str, tuple[float, ...]]:
-        """Name and values of the swept parameter, the first dimension of the dataset."""
-        name = self.atmosphere.swept
-        return name, getattr(self, name)
+    def swept(self) -> tuple[str | None, tuple[float, ...]]:
+        """Name and values of the swept parameter, the first dimension of the dataset.
+
+        The name is None, and the only value NaN, where nothing is swept.
+        """
+        if isinstance(self.atmosphere, PaperAtmosphere):
+            return self.atmosphere.swept, self.turbidity
+        return (
+            (None, (np.nan,)) if self.sweep is None else (self.sweep.name, tuple(self.sweep.values))
+        )
+
+    @property
+    def sky_dims(self) -> tuple[str, ...]:
+        """Dimensions of the dataset that tell skies apart."""
+        name = self.swept[0]
+        return ("sun_zenith",) if name is None else (name, "sun_zenith")
+
+    @property
+    def sky_shape(self) -> tuple[int, ...]:
+        """Sizes of these dimensions."""
+        sizes = len(self.swept[1]), len(self.sun_zenith)
+        return sizes[-len(self.sky_dims) :]
 
     @property
     def num_skies(self) -> int:
@@ -187,11 +176,22 @@ class Campaign:
 
     def build_atmosphere(self, value: float) -> Atmosphere:
         """The atmosphere for one value of the swept parameter."""
-        return self.atmosphere.build(value, np.asarray(self.wavelengths))
+        wavelengths = np.asarray(self.wavelengths)
+        if isinstance(self.atmosphere, PaperAtmosphere):
+            return self.atmosphere.build(value, wavelengths)
+        return self.atmosphere.build(wavelengths, self.sweep, value)
+
+    def observer_altitude_at(self, value: float) -> float:
+        """Altitude of the observer for one value of the swept parameter [m]."""
+        swept = self.sweep is not None and self.sweep.key == OBSERVER_ALTITUDE
+        return value if swept else self.observer_altitude
 
     def to_dict(self) -> dict[str, Any]:
         """As plain numbers and words, for JSON."""
-        return {"schema": SCHEMA, **dataclasses.asdict(self)}
+        fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        fields["atmosphere"] = self.atmosphere.to_dict()
+        fields["sweep"] = None if self.sweep is None else dataclasses.asdict(self.sweep)
+        return {"schema": SCHEMA, **fields}
 
     @classmethod
     def from_dict(cls, record: dict[str, Any]) -> "Campaign":
@@ -203,8 +203,25 @@ class Campaign:
         fields = dict(record)
         if (schema := fields.pop("schema", "missing")) != SCHEMA:
             raise ValueError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
-        fields["atmosphere"] = PaperAtmosphere(**fields["atmosphere"])
+        kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
+        home = PaperAtmosphere if kind == PaperAtmosphere.kind else DescribedAtmosphere
+        fields["atmosphere"] = home.from_dict(fields["atmosphere"])
+        fields["turbidity"] = fields["turbidity"] or None
+        fields["sweep"] = Sweep(**fields["sweep"]) if fields.get("sweep") else None
         return cls(**fields)
+
+
+def _turbidities(atmosphere: Any, given: Values | None, sweep: Sweep | None) -> tuple[float, ...]:
+    """Turbidities of the paper's atmosphere; none of any other."""
+    if isinstance(atmosphere, PaperAtmosphere):
+        if sweep is not None:
+            raise ValueError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
+        return _values("turbidity", PAPER_TURBIDITIES if given is None else given, 1.0, np.inf)
+    if given is not None and np.size(given) > 0:
+        raise ValueError(
+            "Campaign(turbidity=...): only the paper's atmosphere has one; give sweep=..."
+        )
+    return ()
 
 
 def _values(

@@ -12,3 +12,5 @@ JUNGE_EXPONENT = 4  # size distribution of the haze
 SUN_SOLID_ANGLE = 6.80e-5  # sr at one astronomical unit: angular radius 959.63" (IAU 1976)
 LUMINOUS_EFFICACY = 683.002  # lm/W at 555 nm, CIE 018:2019, K_m for standard air
 TURBIDITY_WAVELENGTH = 550.0  # nm; Preetham et al. (1999), section 2.1
+SUN_RADIUS = 6.957e8  # m; IAU 2015 resolution B3, nominal
+ASTRONOMICAL_UNIT = 1.495978707e11  # m; IAU 2012 resolution B2

@@ -1,9 +1,9 @@
 """The record between simulation and fit: an xarray dataset with CF-style names, and its files.
 
-Dimensions are the swept parameter (`turbidity`), `sun_zenith`, `direction` and `wavelength`, plus
-`order` where the orders of scattering are kept. Angles are in radians. Attributes describe the
-atmospheres and the versions that made the record, so that it can be simulated or fitted again from
-the file alone.
+Dimensions are the swept parameter (`turbidity`, or any other; none where nothing is swept),
+`sun_zenith`, `direction` and `wavelength`, plus `order` where the orders of scattering are kept.
+Angles are in radians. Attributes describe the atmospheres and the versions that made the record, so
+that it can be simulated or fitted again from the file alone.
 """
 
 import dataclasses
@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from .campaign import Campaign
+from .campaign import Campaign, PaperAtmosphere
 from .colour import spectrum_to_xyY
 
 
@@ -49,15 +49,17 @@ def sky_dataset(campaign: Campaign, variables: dict[str, np.ndarray]) -> xr.Data
 
     Args:
         campaign: What was simulated.
-        variables: From `sky_variables`, with the swept parameter and the sun before their axes.
+        variables: From `sky_variables`, with the campaign's `sky_dims` before their axes.
     """
     swept, values = campaign.swept
-    front = (swept, "sun_zenith")
+    front = campaign.sky_dims
     arrays = {
         name: (_dims(name, front), array, describe(name)) for name, array in variables.items()
     }
-    coordinates = {
-        swept: (swept, np.array(values), describe(swept)),
+    coordinates = (
+        {} if swept is None else {swept: (swept, np.array(values), _describe_swept(campaign))}
+    )
+    coordinates |= {
         "sun_zenith": ("sun_zenith", np.array(campaign.sun_zenith), describe("sun_zenith")),
         "wavelength": ("wavelength", np.array(campaign.wavelengths), describe("wavelength")),
         "view_zenith": ("direction", np.array(campaign.view_zenith), describe("view_zenith")),
@@ -219,13 +221,21 @@ def describe(name: str) -> dict[str, str]:
     return {"long_name": long_name, "units": units} | standard
 
 
+def _describe_swept(campaign: Campaign) -> dict[str, str]:
+    """Attributes of the swept parameter's coordinate."""
+    if campaign.sweep is None:
+        return describe("turbidity")
+    return {"long_name": campaign.sweep.long_name, "units": campaign.sweep.units}
+
+
 def _attributes(campaign: Campaign) -> dict[str, str]:
     atmospheres = [_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
     return {
         "Conventions": "CF-1.11",
         "title": "Simulated clear-sky radiance",
         "source": f"skyfit {_version('skyfit')}",
-        "references": "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight",
+        **({"references": paper} if isinstance(campaign.atmosphere, PaperAtmosphere) else {}),
         "schema": SCHEMA,
         "campaign": json.dumps(campaign.to_dict()),
         "atmosphere": json.dumps(atmospheres),

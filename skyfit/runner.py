@@ -26,6 +26,13 @@ class _Job(NamedTuple):
     suns: list[int]
 
 
+class _Place(NamedTuple):
+    """An atmosphere, and where in it the observer stands [m]."""
+
+    atmosphere: Atmosphere
+    altitude: float
+
+
 def run_campaign(
     campaign: Campaign,
     progress: Callable[[int, int], None] | None = None,
@@ -47,7 +54,8 @@ def run_campaign(
             Campaigns with as many share the compiled program.
 
     Returns:
-        Dimensions (turbidity, sun_zenith, direction, wavelength); see `skyfit.dataset`.
+        Dimensions (turbidity or what else is swept, sun_zenith, direction, wavelength); see
+        `skyfit.dataset`.
 
     Raises:
         ValueError: `store` holds something else, or a store of another campaign.
@@ -61,7 +69,7 @@ def run_campaign(
         )
     template = empty_skies(campaign, _shapes(campaign), jnp.result_type(float))
     variables = {str(name): array.values for name, array in template.data_vars.items()}
-    kept, done = None, np.zeros((len(campaign.swept[1]), len(campaign.sun_zenith)), bool)
+    kept, done = None, np.zeros(campaign.sky_shape, bool)
     if store is not None and check_suffix(store) == ".zarr":
         kept = SkyStore(store, template)
         done = kept.done()
@@ -75,14 +83,16 @@ def run_campaign(
             progress(int(done.sum()), done.size)
 
     report()
-    for job, skies in _simulated(campaign, _jobs(done, suns_per_call), suns_per_call, workers):
+    jobs = _jobs(np.atleast_2d(done), suns_per_call)
+    for job, skies in _simulated(campaign, jobs, suns_per_call, workers):
         for number, sun in enumerate(job.suns):
             one = {name: array[number] for name, array in skies.items()}
+            sky = (job.at, sun)[-done.ndim :]
             for name, array in one.items():
-                variables[name][job.at, sun] = array
+                variables[name][sky] = array
             if kept is not None:
-                kept.write(job.at, sun, one)
-            done[job.at, sun] = True
+                kept.write(sky, one)
+            done[sky] = True
         report()
     dataset = sky_dataset(campaign, variables)
     if store is not None and kept is None:
@@ -104,10 +114,13 @@ def _simulated(
     campaign: Campaign, jobs: list[_Job], suns_per_call: int, workers: int
 ) -> Iterator[tuple[_Job, dict[str, np.ndarray]]]:
     """Every job with the variables of its skies, as they are ready."""
-    atmospheres = [campaign.build_atmosphere(value) for value in campaign.swept[1]]
+    places = [
+        _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
+        for value in campaign.swept[1]
+    ]
 
     def work(job: _Job) -> tuple[_Job, dict[str, np.ndarray]]:
-        return job, _skies(campaign, atmospheres[job.at], job.suns, suns_per_call)
+        return job, _skies(campaign, places[job.at], job.suns, suns_per_call)
 
     # The first job alone compiles the program; two threads would each compile it.
     yield from map(work, jobs[: 1 if workers > 1 else None])
@@ -124,12 +137,10 @@ def _simulated(
         pool.shutdown(cancel_futures=True)
 
 
-def _skies(
-    campaign: Campaign, atmosphere: Atmosphere, suns: list[int], size: int
-) -> dict[str, np.ndarray]:
+def _skies(campaign: Campaign, place: _Place, suns: list[int], size: int) -> dict[str, np.ndarray]:
     """Variables of some suns' skies, [sun, ...]; the program always sees `size` suns."""
     padded = suns + suns[-1:] * (size - len(suns))
-    sky = _call(campaign, atmosphere, np.array(campaign.sun_zenith)[padded])
+    sky = _call(campaign, place, np.array(campaign.sun_zenith)[padded])
     count = len(suns)
     by_order = None
     if campaign.keep_orders:
@@ -138,16 +149,16 @@ def _skies(
     return sky_variables(np.asarray(sky.radiance)[:count], wavelengths, by_order)
 
 
-def _call(campaign: Campaign, atmosphere: Atmosphere, suns: np.ndarray):
+def _call(campaign: Campaign, place: _Place, suns: np.ndarray):
     return simulate(
-        atmosphere,
+        place.atmosphere,
         as_float(suns)[:, None],
         as_float(campaign.view_zenith)[None, :],
         as_float(campaign.relative_azimuth)[None, :],
         orders=campaign.orders,
         geometry=campaign.geometry,
         quality=campaign.quality,
-        observer_altitude=campaign.observer_altitude,
+        observer_altitude=place.altitude,
     )
 
 
@@ -160,8 +171,9 @@ def _shapes(campaign: Campaign) -> dict[str, tuple[int, ...]]:
     if campaign.keep_orders:
         count = campaign.orders
         if count is None:
-            atmosphere = campaign.build_atmosphere(campaign.swept[1][0])
-            sky = eqx.filter_eval_shape(_call, campaign, atmosphere, np.zeros(1))
+            value = campaign.swept[1][0]
+            place = _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
+            sky = eqx.filter_eval_shape(_call, campaign, place, np.zeros(1))
             count = sky.by_order.shape[0]
         shapes["radiance_by_order"] = (count, directions, wavelengths)
     return shapes

@@ -20,7 +20,7 @@ IDENTITY = ("campaign", "atmosphere", "source", "precision")
 class SkyStore:
     """Skies of one campaign on disk, written one by one, in any order.
 
-    The store is a dataset like any other, with a variable `done` [swept, sun] besides; skies that
+    The store is a dataset like any other, with a variable `done` over its skies besides; skies that
     are not done are NaN.
 
     Args:
@@ -40,34 +40,36 @@ class SkyStore:
         else:
             self._create(template)
         group = zarr.open_group(self.path, mode="r+")
+        self._skies = _sky_shape(template)
         self._arrays = {name: _array(group, str(name)) for name in template.data_vars}
         # A record that was saved whole has no such mark.
         self._done = _array(group, "done") if "done" in group else None
 
     def done(self) -> np.ndarray:
-        """Which skies are finished, [swept, sun]."""
+        """Which skies are finished, over the campaign's `sky_dims`."""
         if self._done is None:
-            return np.ones(self._arrays["radiance"].shape[:2], bool)
+            return np.ones(self._skies, bool)
         return np.asarray(self._done[:]) == 1
 
     def read(self, name: str) -> np.ndarray:
         """A variable of all skies; NaN where they are not done."""
         return np.asarray(self._arrays[name][:])
 
-    def write(self, at: int, sun: int, variables: dict[str, np.ndarray]) -> None:
+    def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
         if self._done is None:
             raise ValueError(f"{self.path}: is complete; no sky can be added")
         for name, array in variables.items():
-            self._arrays[name][at, sun] = array
-        self._done[at, sun] = 1
+            self._arrays[name][sky] = array
+        self._done[sky] = 1
 
     def _create(self, template: xr.Dataset) -> None:
-        skies = tuple(template["radiance"].shape[:2])
-        front = template["radiance"].dims[:2]
+        skies = _sky_shape(template)
+        front = template["radiance"].dims[: len(skies)]
         marked = template.assign(done=(front, np.zeros(skies, "int8")))
         chunks = {
-            name: {"chunks": (1, 1, *array.shape[2:])} for name, array in marked.data_vars.items()
+            name: {"chunks": ((1,) * len(skies) + array.shape[len(skies) :])}
+            for name, array in marked.data_vars.items()
         }
         # Whoever finds the store under its name finds all of it, even after a crash.
         begun = self.path.with_name(f".{self.path.name}.{os.getpid()}")
@@ -93,6 +95,11 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
             raise ValueError(f"{path}: was made {how}; give another name")
 
 
+def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:
+    """Sizes of what stands before direction and wavelength."""
+    return tuple(template["radiance"].shape[:-2])
+
+
 def _array(group: zarr.Group, name: str) -> zarr.Array:
     array = group[name]
     if not isinstance(array, zarr.Array):
@@ -108,6 +115,6 @@ def empty_skies(campaign: Campaign, shapes: dict[str, tuple[int, ...]], dtype) -
         shapes: Of each variable of one sky.
         dtype: Of the radiance.
     """
-    skies = (len(campaign.swept[1]), len(campaign.sun_zenith))
+    skies = campaign.sky_shape
     blank = {name: np.full((*skies, *shape), np.nan, dtype) for name, shape in shapes.items()}
     return sky_dataset(campaign, blank)

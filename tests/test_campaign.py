@@ -146,3 +146,121 @@ def test_a_wrong_campaign_file_is_refused_with_one_line_naming_file_and_key(
         skyfit.load_campaign(file)
     assert str(refusal.value).startswith(f"{file}: ")
     assert "\n" not in str(refusal.value)
+
+
+AIR = """[[constituents]]
+name = "air"
+kind = "air"
+"""
+HAZE = """[[constituents]]
+name = "haze"
+kind = "angstrom_aerosol"
+angstrom_exponent = 1.3
+asymmetry = 0.7
+"""
+SWEEP = """[sweep]
+key = "constituents.haze.optical_depth"
+"""
+
+
+def test_any_number_of_a_file_can_be_swept(tmp_path):
+    for key, name, units in (
+        ("constituents.haze.optical_depth", "optical_depth", "1"),
+        ("constituents.haze.profile.scale_height_m", "scale_height", "m"),
+        ("ground.albedo", "albedo", "1"),
+        ("sun.distance_au", "distance", "au"),
+        ("simulation.observer_altitude_m", "observer_altitude", "m"),
+    ):
+        profile = "profile = {kind = 'exponential', scale_height_m = 2000}\n"
+        sweep = f'[sweep]\nkey = "{key}"\nvalues = [0.1, 0.2]\n'
+        (tmp_path / "a.toml").write_text(
+            HEAD + AIR + HAZE + "optical_depth = 0.1\n" + profile + sweep
+        )
+        campaign = skyfit.load_campaign(tmp_path / "a.toml")
+        assert campaign.swept == (name, (0.1, 0.2))
+        assert campaign.sweep.units == units
+        assert campaign.sky_dims == (name, "sun_zenith")
+        assert campaign.num_skies == 24
+
+
+def test_an_altitude_is_swept_by_moving_the_observer(tmp_path):
+    sweep = '[sweep]\nkey = "simulation.observer_altitude_m"\nvalues = [100, 2000]\n'
+    (tmp_path / "a.toml").write_text(HEAD + AIR + sweep)
+    campaign = skyfit.load_campaign(tmp_path / "a.toml")
+    assert [campaign.observer_altitude_at(value) for value in (100.0, 2000.0)] == [100, 2000]
+    low, high = (campaign.build_atmosphere(value) for value in (100.0, 2000.0))
+    np.testing.assert_array_equal(low.extinction, high.extinction)
+
+
+def test_a_campaign_without_a_sweep_has_only_suns(tmp_path):
+    (tmp_path / "a.toml").write_text(HEAD + AIR)
+    campaign = skyfit.load_campaign(tmp_path / "a.toml")
+    assert campaign.sky_dims == ("sun_zenith",)
+    assert campaign.num_skies == 12
+
+
+def test_what_is_swept_can_be_given_when_an_atmosphere_is_loaded(tmp_path):
+    (tmp_path / "a.toml").write_text(
+        HEAD + AIR + HAZE + "optical_depth = 0.1\n" + SWEEP + "values = [0.2, 0.4]\n"
+    )
+    found = [
+        float(skyfit.load_atmosphere(tmp_path / "a.toml", [550.0], **swept).optical_depth()[1, 0])
+        for swept in ({}, {"optical_depth": 0.3})
+    ]
+    np.testing.assert_allclose(found, [0.1, 0.3], rtol=1e-9)
+    with pytest.raises(ValueError, match="expected the parameter optical_depth; got turbidity"):
+        skyfit.load_atmosphere(tmp_path / "a.toml", turbidity=3)
+
+
+def test_the_papers_atmosphere_is_loaded_at_the_turbidity_asked_for():
+    depth = skyfit.load_atmosphere(SIMS / "preetham1999.toml", [550.0], turbidity=5).optical_depth()
+    np.testing.assert_allclose(depth.sum() / depth[0, 0], 5, rtol=1e-9)
+
+
+DEEP = "optical_depth = 0.1\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (AIR + "radius = 3", r"constituents\[0\].radius: unknown key; expected one of name, kind"),
+        ("[planet]\nradius_km = 6371", "planet.radius_km: unknown key; did you mean radius_m?"),
+        ("[planet]\nradius_m = -1", "planet.radius_m: .*greater than 0; got -1"),
+        ("[planet]\nradius_m = 6e6", "constituents: planet is given, but nothing that scatters"),
+        ("[atmosphere]\nozone = true\n" + AIR, "constituents: the .atmosphere. of kind preeth"),
+        (AIR + AIR, r"constituents\[1\].name: air is taken"),
+        (AIR.replace('"air"\n', '"ether"\n', 2), r"constituents\[0\].kind: expected one of 'air'"),
+        (AIR.replace('kind = "air"', ""), r"constituents\[0\].kind: is missing"),
+        (AIR + HAZE, r"constituents\[1\]: expected exactly one of optical_depth, .*; got none"),
+        (AIR + HAZE + DEEP + "turbidity = 2", "exactly one of .*; got optical_depth and turbidity"),
+        (AIR + HAZE + "turbidity = 0.5", r"constituents\[1\].turbidity: .* 1; got 0.5"),
+        (AIR + HAZE + DEEP + "single_scattering_albedo = 1.2", "albedo: .* values from 0 to 1"),
+        (AIR + HAZE + DEEP + "profile = {kind = 'exponential'}", "scale_height_m: is missing"),
+        (AIR + HAZE + DEEP + "profile = {kind = 'tent', bottom_m = 9, peak_m = 5, top_m = 7}",
+         r"constituents\[1\].profile: expected bottom_m < peak_m < top_m; got 9, 5, 7"),
+        (AIR + HAZE + "visibility_m = 900e3",
+         "constituents.haze.visibility_m: expected at most .* gases alone; got 900000"),
+        (AIR + '[ground]\nalbedo = {csv = "none.csv", column = "a"}', "none.csv: No such file"),
+        (AIR + "[ground]\nalbedo = {wavelength_nm = [400, 500], value = [0.1]}", "many value as"),
+        (AIR + "[ground]\nalbedo = {wavelength_nm = [500, 400], value = [0, 1]}", "500 before 400"),
+        (AIR + "[ground]\nalbedo = {nm = [500, 400], value = [0, 1]}", "keys wavelength_nm and"),
+        (AIR + '[sun]\nspectrum = "blackbody"', "sun: temperature_K is expected where spectrum"),
+        (AIR + "[sweep]\nturbidity = [2, 3]", "sweep.turbidity: is for the paper's atmosphere"),
+        (AIR + '[sweep]\nkey = "ground.albedo"', "sweep: key and values are expected together"),
+        ('[sweep]\nkey = "ground.albedo"\nvalues = [0, 1]', "the paper's atmosphere is swept over"),
+        (AIR + '[sweep]\nkey = "ground.albido"\nvalues = [0, 1]', "albido is none, but albedo"),
+        (AIR + '[sweep]\nkey = "constituents.fog.g"\nvalues = [0, 1]', "has air, not fog"),
+        (AIR + '[sweep]\nkey = "ground.albedo"\nvalues = [0.5, 1.5]',
+         r"sweep.values\[1\]: ground.albedo: expected values from 0 to 1"),
+        (AIR + '[sweep]\nkey = "ground.albedo"\nvalues = [0, 1]\nname = "time"', "time is taken"),
+    ],
+)  # fmt: skip
+def test_a_wrong_description_is_refused_with_one_line_naming_file_and_key(
+    tmp_path, content, message
+):
+    file = tmp_path / "wrong.toml"
+    file.write_text(HEAD + content)
+    with pytest.raises(ValueError, match=message) as refusal:
+        skyfit.load_campaign(file)
+    assert str(refusal.value).startswith(f"{file}: ")
+    assert "\n" not in str(refusal.value)

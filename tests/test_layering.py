@@ -12,6 +12,7 @@ ORDER = [
     "_typing", "constants", "tables",                         # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "phase", "profile", "atmosphere", "preetham_air", "sun",  # what the sky is made of
+    "description",                                            # and in the words of files
     "transfer",                                               # simulation
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them

@@ -28,6 +28,7 @@ PUBLIC = {
     "cornell_skies",
     "export_fit",
     "fit_sky",
+    "load_atmosphere",
     "load_campaign",
     "load_dataset",
     "load_fit",

@@ -1,0 +1,208 @@
+"""A campaign file as a whole: an atmosphere, what is swept, sampling and simulation."""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, StringConstraints, model_validator
+
+from ..campaign import (
+    PAPER_RELATIVE_AZIMUTHS_DEG,
+    PAPER_SUN_ZENITHS_DEG,
+    PAPER_TURBIDITIES,
+    PAPER_VIEW_ZENITHS_DEG,
+    SCHEMA,
+    Campaign,
+    PaperAtmosphere,
+    half_dome,
+)
+from ..description import DescribedAtmosphere, Sweep
+from ..description.sweep import replaced, unit_of
+from ..preetham_air import PAPER_WAVELENGTHS
+from .aerosols import Constituent
+from .numbers import Increasing, Number, Numbers, ZeroOrMore
+from .parts import Ground, Name, Planet, Sun
+from .section import Section
+
+
+Angles = tuple[Annotated[Number, Field(ge=0, le=180)], ...]
+# Of the dataset's own; a swept parameter needs another name.
+TAKEN = {
+    *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
+    *("radiance", "radiance_by_order", "luminance", "x", "y", "done"),
+}
+
+
+class _Paper(Section):
+    """The atmosphere of Preetham et al. (1999)."""
+
+    kind: Literal["preetham1999"] = "preetham1999"
+    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness"
+    ozone: bool = False
+    ground_albedo: Annotated[Number, Field(ge=0, le=1)] = 0.0
+
+
+class _Sweep(Section):
+    """The paper's turbidity, or any number of the file."""
+
+    turbidity: Annotated[tuple[Annotated[Number, Field(ge=1)], ...], Increasing] | None = None
+    key: str | None = None
+    values: Annotated[tuple[Number, ...], Increasing] | None = None
+    name: Name | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "_Sweep":
+        self.exactly_one_of("turbidity", "key")
+        if (self.key is None) != (self.values is None):
+            raise ValueError("key and values are expected together")
+        if self.called in TAKEN:
+            raise ValueError(f"name: {self.called} is taken; give the parameter another name")
+        return self
+
+    @property
+    def called(self) -> str | None:
+        """Name of the parameter."""
+        if self.key is None:
+            return "turbidity"
+        return self.name or unit_of(self.key)[0]
+
+
+class _Sampling(Section):
+    sun_zenith_deg: Annotated[Angles, Increasing] = PAPER_SUN_ZENITHS_DEG
+    zenith: bool = True
+    view_zenith_deg: Annotated[Angles, Numbers] = PAPER_VIEW_ZENITHS_DEG
+    relative_azimuth_deg: Annotated[
+        tuple[Annotated[Number, Field(ge=-360, le=360)], ...], Numbers
+    ] = PAPER_RELATIVE_AZIMUTHS_DEG
+    wavelengths_nm: Annotated[tuple[Annotated[Number, Field(gt=0)], ...], Increasing] = tuple(
+        PAPER_WAVELENGTHS.tolist()
+    )
+
+
+class _Simulation(Section):
+    orders: Annotated[
+        Annotated[int, Field(ge=1)] | None,
+        BeforeValidator(lambda value: None if value == "all" else value),
+    ] = 2
+    geometry: Literal["spherical", "flat", "paper"] = "spherical"
+    quality: Literal["draft", "default", "high"] = "default"
+    observer_altitude_m: ZeroOrMore = 0.0
+    keep_orders: bool = False
+
+
+class File(Section):
+    """All tables of a campaign file."""
+
+    schema_: Annotated[Literal["skyfit/campaign/1"], Field(alias="schema")]
+    title: Annotated[str, StringConstraints(min_length=1)] = "untitled"
+    atmosphere: _Paper | None = None
+    planet: Planet | None = None
+    sun: Sun | None = None
+    ground: Ground | None = None
+    constituents: Annotated[list[Constituent], Field(min_length=1)] | None = None
+    sweep: _Sweep | None = None
+    sampling: _Sampling = _Sampling()
+    simulation: _Simulation = _Simulation()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _needs_schema(cls, content: Any) -> Any:
+        if "schema" not in content:
+            raise ValueError(f'schema is missing: expected the line schema = "{SCHEMA}"')
+        return content
+
+    @model_validator(mode="after")
+    def _one_atmosphere(self) -> "File":
+        own = [n for n in ("planet", "sun", "ground", "constituents") if getattr(self, n)]
+        if own and self.atmosphere:
+            raise ValueError(f"{own[0]}: the [atmosphere] of kind {self.atmosphere.kind} is "
+                             "complete; remove one of them")  # fmt: skip
+        if own and not self.constituents:
+            raise ValueError(f"constituents: {own[0]} is given, but nothing that scatters")
+        names = [part.name for part in self.constituents or []]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise ValueError(f"constituents[{number}].name: {name} is taken")
+        return self
+
+    @model_validator(mode="after")
+    def _sweep_of_what_there_is(self) -> "File":
+        if self.sweep is None:
+            return self
+        if self.is_the_papers:
+            if self.sweep.key is not None:
+                raise ValueError("sweep.key: the paper's atmosphere is swept over turbidity")
+        elif self.sweep.key is None:
+            raise ValueError("sweep.turbidity: is for the paper's atmosphere; expected key, values")
+        else:
+            for number, value in enumerate(self.sweep.values or ()):
+                self._try(self.sweep.key, number, value)
+        return self
+
+    def _try(self, key: str, number: int, value: float) -> None:
+        """Check one value of the sweep like the number whose place it takes."""
+        content = self._plain()
+        try:
+            changed = replaced(content, key, value)
+        except ValueError as error:
+            raise ValueError(f"sweep.key: {error}") from None
+        changed["sweep"] = None
+        try:
+            File.model_validate(changed)
+        except ValueError as error:
+            detail = error.errors(include_url=False)[0]  # type: ignore[attr-defined]
+            words = detail["msg"].replace("Input should be", "expected")
+            words = words.removeprefix("Value error, ")
+            raise ValueError(f"sweep.values[{number}]: {key}: {words}; got {value:g}") from None
+
+    def _plain(self) -> dict[str, Any]:
+        """The file in numbers and words, with every default."""
+        places = {"planet": self.planet or Planet(), "sun": self.sun or Sun()}
+        whole = self.model_copy(update=places | {"ground": self.ground or Ground()})
+        return whole.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+    @property
+    def is_the_papers(self) -> bool:
+        """Whether the atmosphere is that of Preetham et al. (1999)."""
+        return not self.constituents
+
+    def campaign(self) -> Campaign:
+        """In radians, as the library has it."""
+        sampling, simulation = self.sampling, self.simulation
+        view_zenith, relative_azimuth = half_dome(
+            np.radians(sampling.view_zenith_deg),
+            np.radians(sampling.relative_azimuth_deg),
+            zenith=sampling.zenith,
+        )
+        return Campaign(
+            **self._what(),
+            sun_zenith=np.radians(sampling.sun_zenith_deg),
+            view_zenith=view_zenith,
+            relative_azimuth=relative_azimuth,
+            wavelengths=sampling.wavelengths_nm,
+            orders=simulation.orders,
+            geometry=simulation.geometry,
+            quality=simulation.quality,
+            observer_altitude=simulation.observer_altitude_m,
+            keep_orders=simulation.keep_orders,
+        )
+
+    def _what(self) -> dict[str, Any]:
+        """Arguments of a campaign: the atmosphere and what is swept."""
+        sweep = self.sweep
+        if self.is_the_papers:
+            given = self.atmosphere or _Paper()
+            return {
+                "turbidity": PAPER_TURBIDITIES if sweep is None else sweep.turbidity,
+                "atmosphere": PaperAtmosphere(
+                    turbidity_means=given.turbidity_means,
+                    ozone=given.ozone,
+                    ground_albedo=given.ground_albedo,
+                ),
+            }
+        plain = self._plain()
+        tables = {name: plain[name] for name in ("planet", "sun", "ground", "constituents")}
+        described = DescribedAtmosphere.from_description(tables)
+        if sweep is None:
+            return {"atmosphere": described}
+        swept = Sweep(str(sweep.called), str(sweep.key), sweep.values or ())
+        return {"atmosphere": described, "sweep": swept}

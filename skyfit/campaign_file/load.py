@@ -1,0 +1,88 @@
+"""Reading campaign files."""
+
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from .._typing import ArrayLike
+from ..atmosphere import Atmosphere
+from ..campaign import Campaign, PaperAtmosphere
+from .file import File
+from .section import one_line
+
+
+PAPER_TURBIDITY = 3.0  # of the paper's atmosphere where none is asked for
+
+
+def load_campaign(path: str | PathLike[str]) -> Campaign:
+    """Read a campaign file.
+
+    Args:
+        path: A TOML file; `sims/preetham1999.toml` shows the keys of the sampling with their
+            defaults, `sims/README.md` those of atmospheres.
+
+    Raises:
+        ValueError: One line that names the file, the key, what was expected and what came.
+        OSError: The file cannot be read.
+    """
+    try:
+        campaign = _read(path).campaign()
+        # What only building can find impossible is better known now.
+        for value in {campaign.swept[1][0], campaign.swept[1][-1]}:
+            campaign.build_atmosphere(value)
+    except ValueError as error:
+        raise _named(path, error) from None
+    return campaign
+
+
+def load_atmosphere(
+    path: str | PathLike[str], wavelengths: ArrayLike | None = None, **swept: float | int
+) -> Atmosphere:
+    """The atmosphere of a campaign file.
+
+    Args:
+        path: A TOML file.
+        wavelengths: Increasing; the file's own by default [nm].
+        **swept: The parameter that the file sweeps under its own name, in the file's unit, as in
+            `optical_depth=0.3`. By default it has the value that the file gives where the
+            parameter stands; the paper's atmosphere has a turbidity of 3.
+
+    Raises:
+        ValueError: One line that names the file, the key, what was expected and what came.
+        OSError: The file cannot be read.
+    """
+    try:
+        file = _read(path)
+        campaign = file.campaign()
+        name = campaign.swept[0]
+        if set(swept) - {name}:
+            expected = name or "none"
+            raise ValueError(f"load_atmosphere: expected the parameter {expected}; got "
+                             f"{', '.join(swept)}")  # fmt: skip
+        lam: Any = campaign.wavelengths if wavelengths is None else wavelengths
+        lam = np.atleast_1d(np.asarray(lam, float))
+        value = float(swept[str(name)]) if swept else None
+        if isinstance(campaign.atmosphere, PaperAtmosphere):
+            return campaign.atmosphere.build(PAPER_TURBIDITY if value is None else value, lam)
+        return campaign.atmosphere.build(lam, campaign.sweep, value)
+    except ValueError as error:
+        raise _named(path, error) from None
+
+
+def _read(path: str | PathLike[str]) -> File:
+    with open(path, "rb") as file:
+        try:
+            content = tomllib.load(file)
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise ValueError(f"not a TOML file: {error}") from None
+    return File.model_validate(content, context={"folder": str(Path(path).parent)})
+
+
+def _named(path: str | PathLike[str], error: ValueError) -> ValueError:
+    if isinstance(error, ValidationError):
+        return ValueError(f"{path}: {one_line(error)}")
+    return ValueError(f"{path}: {error}")

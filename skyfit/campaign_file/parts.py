@@ -1,0 +1,151 @@
+"""Tables of the atmosphere: planet, sun, ground, profiles, gases."""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, StringConstraints, model_validator
+
+from ..constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from .numbers import AboveZero, ZeroOrMore, over, spectral
+from .section import Section
+
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+
+
+class Planet(Section):
+    """How large, and how high its atmosphere reaches."""
+
+    radius_m: AboveZero = EARTH_RADIUS
+    top_altitude_m: AboveZero = TOP_OF_ATMOSPHERE
+
+
+class Sun(Section):
+    """Sunlight above the atmosphere."""
+
+    spectrum: Literal["preetham1999", "astm_g173", "blackbody", "table"] = "preetham1999"
+    distance_au: AboveZero = 1.0
+    bandwidth_nm: Annotated[ZeroOrMore, Field(le=100)] = 10.0
+    temperature_K: AboveZero | None = None
+    radius_solar: AboveZero = 1.0
+    irradiance_W_per_m2_nm: Annotated[Any, spectral(0.0, np.inf, "W/m2/nm")] | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Sun":
+        needs = {"blackbody": "temperature_K", "table": "irradiance_W_per_m2_nm"}
+        for kind, key in needs.items():
+            if (self.spectrum == kind) != (getattr(self, key) is not None):
+                raise ValueError(f'{key} is expected where spectrum = "{kind}", and only there')
+        return self
+
+
+class Ground(Section):
+    """A Lambertian ground."""
+
+    albedo: Annotated[Any, spectral(0.0, 1.0)] = 0.0
+
+
+class Exponential(Section):
+    """Falls by a factor e with every scale height."""
+
+    kind: Literal["exponential"]
+    scale_height_m: AboveZero
+
+
+class Tent(Section):
+    """Rises from nothing to 1 and falls to nothing again, in straight lines."""
+
+    kind: Literal["tent"]
+    bottom_m: ZeroOrMore
+    peak_m: AboveZero
+    top_m: AboveZero
+
+    @model_validator(mode="after")
+    def _in_order(self) -> "Tent":
+        if not self.bottom_m < self.peak_m < self.top_m:
+            raise ValueError(f"expected bottom_m < peak_m < top_m; got {self.bottom_m:g}, "
+                             f"{self.peak_m:g}, {self.top_m:g}")  # fmt: skip
+        return self
+
+
+def _none_below_zero(table: dict[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
+    if min(table["value"]) < 0:
+        raise ValueError(f"expected densities of 0 or more; got {min(table['value']):g}")
+    return table
+
+
+class Table(Section):
+    """Densities at altitudes, linear in between; none above the last."""
+
+    kind: Literal["table"]
+    density: Annotated[Any, over("altitude_m", "value", _none_below_zero)]
+
+
+class Standard(Section):
+    """Profiles known by name."""
+
+    kind: Literal["us_standard_1976", "elterman_1968", "ozone"]
+
+
+Profile = Annotated[Exponential | Tent | Table | Standard, Field(discriminator="kind")]
+
+
+class Air(Section):
+    """Dry air, after Bodhaine et al. (1999)."""
+
+    name: Name
+    kind: Literal["air"]
+    pressure_ratio: AboveZero = 1.0
+    profile: Profile = Standard(kind="us_standard_1976")
+
+
+class PreethamAir(Section):
+    """Air as Preetham et al. (1999) have it."""
+
+    name: Name
+    kind: Literal["preetham_air"]
+    profile: Profile = Standard(kind="us_standard_1976")
+
+
+class Ozone(Section):
+    """Ozone, with the absorption of Preetham et al. (1999), table 2."""
+
+    name: Name
+    kind: Literal["ozone"]
+    dobson_units: ZeroOrMore
+    profile: Profile = Standard(kind="ozone")
+
+
+class Gas(Section):
+    """Any gas: it scatters after Rayleigh, and may absorb.
+
+    Coefficients and number density hold where the profile's density is 1. Scattering given by one
+    number holds at the reference wavelength and falls as the fourth power.
+    """
+
+    name: Name
+    kind: Literal["gas"]
+    number_density_per_m3: ZeroOrMore | None = None
+    scattering_per_m: Annotated[Any, spectral(0.0, np.inf, "1/m")] | None = None
+    scattering_cross_section_m2: Annotated[Any, spectral(0.0, 1e-20, "m2")] | None = None
+    absorption_per_m: Annotated[Any, spectral(0.0, np.inf, "1/m")] | None = None
+    absorption_cross_section_m2: Annotated[Any, spectral(0.0, 1e-15, "m2")] | None = None
+    reference_wavelength_nm: AboveZero = 550.0
+    profile: Profile
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Gas":
+        scattering = "scattering_per_m", "scattering_cross_section_m2"
+        absorption = "absorption_per_m", "absorption_cross_section_m2"
+        self.exactly_one_of(*scattering, or_none=True)
+        self.exactly_one_of(*absorption, or_none=True)
+        if all(getattr(self, name) is None for name in (*scattering, *absorption)):
+            raise ValueError(f"expected one of {', '.join((*scattering, *absorption))}; got none")
+        sections = [getattr(self, name) for name in (scattering[1], absorption[1])]
+        if any(section is not None for section in sections) != (
+            self.number_density_per_m3 is not None
+        ):
+            raise ValueError(
+                "number_density_per_m3 is expected with cross-sections, and only there"
+            )
+        return self

@@ -1,0 +1,114 @@
+"""Aerosols: the paper's haze, Ångström's law, spheres after Mie, tables."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..atmosphere import Constituent
+from ..phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
+from ..preetham_air import haze_phase, haze_scattering
+from .mie import mie_optics
+from .profiles import build_profile
+from .spectra import Part, Wavelengths, spectrum_at
+
+
+KOSCHMIEDER = 3.912  # -ln 0.02: contrast at the meteorological range
+VISIBLE_AT = 550.0  # nm, of turbidity and meteorological range
+
+
+class Optics(NamedTuple):
+    """How an aerosol scatters, whatever the amount.
+
+    Attributes:
+        extinction: Up to a factor, unless the table gives no other amount [m⁻¹].
+        albedo: Scattering over extinction.
+        phase: Phase function.
+    """
+
+    extinction: Wavelengths
+    albedo: Wavelengths
+    phase: AbstractPhaseFunction
+
+
+class Surroundings(NamedTuple):
+    """What amounts are measured against.
+
+    Attributes:
+        gas_depth: Vertical optical depth of scattering by gases at 550 nm.
+        extinction: Of all gases at the ground, 550 nm [m⁻¹].
+        top: Altitude where the atmosphere ends [m].
+    """
+
+    gas_depth: float
+    extinction: float
+    top: float
+
+
+def build_aerosol(part: Part, wavelengths: Wavelengths, around: Surroundings) -> Constituent:
+    """The constituent a table of a campaign file describes.
+
+    Raises:
+        ValueError: The amount asked for is impossible among the gases around.
+    """
+    density = build_profile(part["profile"])
+    optics = _optics(part, wavelengths)
+    wanted, at = _extinction_wanted(part, around, float(density.column(around.top)))
+    if wanted is not None:
+        whole = part | {"forward_peak_deg": 0.0}  # amounts count all that is scattered
+        scale = wanted / float(_optics(whole, np.array([at])).extinction[0])
+    else:
+        scale = part.get("number_density_per_m3", 1.0)
+    extinction = scale * optics.extinction
+    scattering = extinction * optics.albedo
+    return Constituent(density, scattering, extinction - scattering, phase=optics.phase)
+
+
+def _extinction_wanted(
+    part: Part, around: Surroundings, column: float
+) -> tuple[float | None, float]:
+    """Extinction at density 1 and the wavelength where it holds [m⁻¹, nm], if asked for."""
+    at = part.get("reference_wavelength_nm", VISIBLE_AT)
+    if "optical_depth" in part:
+        return part["optical_depth"] / column, at
+    if "extinction_per_m" in part:
+        return part["extinction_per_m"], at
+    if "angstrom_beta" in part:
+        return part["angstrom_beta"] / column, 1000.0
+    if "turbidity" in part:
+        return (part["turbidity"] - 1) * around.gas_depth / column, VISIBLE_AT
+    if "visibility_m" in part:
+        rest = KOSCHMIEDER / part["visibility_m"] - around.extinction
+        if rest < 0:
+            clear = KOSCHMIEDER / around.extinction
+            raise ValueError(
+                f"constituents.{part['name']}.visibility_m: expected at most {clear:.6g}, the "
+                f"meteorological range of the gases alone; got {part['visibility_m']:g}"
+            )
+        return rest, VISIBLE_AT
+    return None, at
+
+
+def _optics(part: Part, wavelengths: Wavelengths) -> Optics:
+    if part["kind"] == "preetham_haze":
+        # Any turbidity: the amount is a factor.
+        extinction = np.asarray(haze_scattering(2.0, wavelengths), float)
+        return Optics(extinction, np.ones_like(wavelengths), haze_phase(wavelengths))
+    if part["kind"] == "angstrom_aerosol":
+        extinction = (VISIBLE_AT / wavelengths) ** part["angstrom_exponent"]
+        albedo = spectrum_at(part["single_scattering_albedo"], wavelengths)
+        return Optics(extinction, albedo, _lobe(part, wavelengths))
+    if part["kind"] == "mie_aerosol":
+        found = mie_optics(part, wavelengths)
+        return Optics(found.extinction, found.albedo, Tabulated(found.angle, found.phase))
+    extinction = spectrum_at(part["extinction"], wavelengths)
+    albedo = spectrum_at(part["single_scattering_albedo"], wavelengths)
+    if "phase" not in part:
+        return Optics(extinction, albedo, _lobe(part, wavelengths))
+    table = part["phase"]
+    return Optics(extinction, albedo, Tabulated(np.radians(table["angle_deg"]), table["value"]))
+
+
+def _lobe(part: Part, wavelengths: Wavelengths) -> AbstractPhaseFunction:
+    forms = {"henyey_greenstein": HenyeyGreenstein, "cornette_shanks": CornetteShanks}
+    g = part["asymmetry"]
+    return forms[part["phase_form"]](spectrum_at(g, wavelengths) if isinstance(g, dict) else g)

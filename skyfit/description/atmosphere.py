@@ -1,0 +1,92 @@
+"""An atmosphere from its description."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import ArrayLike
+
+from ..atmosphere import Atmosphere
+from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
+from .gases import GASES, build_gas, gas_coefficients
+from .profiles import build_profile
+from .spectra import Part, spectrum_at, sunlight_above
+from .sweep import OBSERVER_ALTITUDE, Sweep, replaced
+
+
+@dataclass(frozen=True)
+class DescribedAtmosphere:
+    """An atmosphere in the words of a campaign file.
+
+    Args:
+        text: The tables `planet`, `sun`, `ground` and `constituents` as JSON, every default written
+            out and every file that they name read.
+    """
+
+    text: str
+
+    @classmethod
+    def from_description(cls, description: Part) -> "DescribedAtmosphere":
+        """From tables that `skyfit.campaign_file` has checked."""
+        return cls(json.dumps(description, sort_keys=True))
+
+    @property
+    def description(self) -> Part:
+        """The tables."""
+        return json.loads(self.text)
+
+    def build(
+        self, wavelengths: ArrayLike, sweep: Sweep | None = None, value: float | None = None
+    ) -> Atmosphere:
+        """The atmosphere at wavelengths [nm], with another value of what is swept.
+
+        Raises:
+            ValueError: Naming the key, what was expected and what came.
+        """
+        description = self.description
+        if sweep is not None and value is not None and sweep.key != OBSERVER_ALTITUDE:
+            description = replaced(description, sweep.key, value)
+        return build_atmosphere(description, np.asarray(wavelengths, float))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain numbers and words, for JSON."""
+        return {"kind": "described", **self.description}
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> "DescribedAtmosphere":
+        """Undo `to_dict`."""
+        return cls.from_description({k: v for k, v in record.items() if k != "kind"})
+
+
+def build_atmosphere(description: Part, wavelengths: np.ndarray) -> Atmosphere:
+    """The atmosphere of a description at wavelengths [nm]."""
+    top = description["planet"]["top_altitude_m"]
+    parts = description["constituents"]
+    gases = [part for part in parts if part["kind"] in GASES]
+    around = _surroundings(gases, top)
+    constituents = [
+        build_gas(part, wavelengths, top)
+        if part["kind"] in GASES
+        else build_aerosol(part, wavelengths, around)
+        for part in parts
+    ]
+    return Atmosphere(
+        wavelengths=wavelengths,
+        solar_irradiance=sunlight_above(description["sun"], wavelengths),
+        constituents=constituents,
+        ground_albedo=spectrum_at(description["ground"]["albedo"], wavelengths),
+        planet_radius=description["planet"]["radius_m"],
+        top_altitude=top,
+    )
+
+
+def _surroundings(gases: list[Part], top: float) -> Surroundings:
+    """The gases by which turbidity and visibility are measured."""
+    depth = extinction = 0.0
+    for part in gases:
+        found = gas_coefficients(part, np.array([VISIBLE_AT]), top)
+        density = build_profile(part["profile"])
+        depth += float(found.scattering[0]) * float(density.column(top))
+        extinction += float(found.scattering[0] + found.absorption[0]) * float(density(0.0))
+    return Surroundings(depth, extinction, top)

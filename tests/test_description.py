@@ -1,0 +1,246 @@
+"""Atmospheres in the words of campaign files: what is built of them, against known numbers."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import jax.numpy as jnp
+import miepython
+import numpy as np
+import pytest
+
+import skyfit
+from skyfit.constants import ASTRONOMICAL_UNIT, SUN_RADIUS
+from skyfit.description.gases import air_cross_section
+from skyfit.description.mie import angular_functions, mie_optics, number_density
+from skyfit.description.spectra import planck, spectrum_at, sunlight_above
+
+
+SIMS = Path(__file__).parent.parent / "sims"
+LAM = np.array([450.0, 550.0, 650.0])
+HEAD = 'schema = "skyfit/campaign/1"\n'
+AIR = '[[constituents]]\nname = "air"\nkind = "preetham_air"\n'
+HAZE = '[[constituents]]\nname = "haze"\nkind = "preetham_haze"\n'
+ANGSTROM = (
+    '[[constituents]]\nname = "haze"\nkind = "angstrom_aerosol"\nangstrom_exponent = 1.3\n'
+    "asymmetry = 0.7\nprofile = {kind = 'exponential', scale_height_m = 1200}\n"
+)
+
+
+def atmosphere(tmp_path, text, wavelengths=LAM, **swept):
+    file = tmp_path / "own.toml"
+    file.write_text(HEAD + text)
+    return skyfit.load_atmosphere(file, wavelengths, **swept)
+
+
+def test_the_papers_air_and_haze_in_words_are_the_papers_atmosphere(tmp_path):
+    described = atmosphere(tmp_path, AIR + HAZE + "turbidity = 3.5\n")
+    built_in = skyfit.preetham_atmosphere(3.5, wavelengths=LAM)
+    np.testing.assert_allclose(described.scattering, built_in.scattering, rtol=1e-12)
+    np.testing.assert_allclose(described.extinction, built_in.extinction, rtol=1e-12)
+    np.testing.assert_allclose(described.solar_irradiance, built_in.solar_irradiance, rtol=1e-12)
+    altitudes = jnp.linspace(0.0, 59e3, 50)
+    np.testing.assert_array_equal(described.density(altitudes), built_in.density(altitudes))
+    mu = np.linspace(-1, 1, 20)
+    one, other = (sky.constituents[1].phase(mu) for sky in (described, built_in))
+    np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
+def test_air_scatters_as_bodhaine_tabulates():
+    # Bodhaine et al. (1999), table 3: cross-sections in 1e-27 cm² at 0.40, 0.55 and 0.70 µm.
+    found = air_cross_section(np.array([400.0, 550.0, 700.0]))
+    np.testing.assert_allclose(found, [1.674e-30, 4.513e-31, 1.694e-31], rtol=3e-3)
+
+
+def test_air_of_the_standard_atmosphere_has_the_known_rayleigh_optical_depth(tmp_path):
+    # 0.0970 to 0.0975 at 550 nm and sea level in the literature (Bodhaine et al. 1999, Bucholtz
+    # 1995); what lies above 60 km is 2e-4 of it.
+    air = atmosphere(tmp_path, AIR.replace("preetham_air", "air"))
+    np.testing.assert_allclose(air.optical_depth()[0, 1], 0.0972, rtol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("amount", "at", "depth"),
+    [
+        ("optical_depth = 0.2", 550.0, 0.2),
+        ("optical_depth = 0.2\nreference_wavelength_nm = 650", 650.0, 0.2),
+        ("angstrom_beta = 0.05", 450.0, 0.05 * 0.45**-1.3),
+        ("extinction_per_m = 1e-4", 550.0, 0.12),
+    ],
+)
+def test_an_aerosols_amount_is_what_was_asked_for(tmp_path, amount, at, depth):
+    sky = atmosphere(tmp_path, AIR + ANGSTROM + amount)
+    found = sky.optical_depth()[1, LAM.tolist().index(at)]
+    np.testing.assert_allclose(found, depth, rtol=1e-9)
+
+
+def test_turbidity_and_visibility_are_those_of_air_and_aerosol_together(tmp_path):
+    sky = atmosphere(tmp_path, AIR + ANGSTROM + "turbidity = 4")
+    depth = sky.optical_depth()[:, 1]
+    np.testing.assert_allclose(depth.sum() / depth[0], 4, rtol=1e-9)
+    sky = atmosphere(tmp_path, AIR + ANGSTROM + "visibility_m = 23e3")
+    np.testing.assert_allclose(3.912 / sky.extinction[:, 1].sum(), 23e3, rtol=1e-9)
+
+
+def test_an_angstrom_aerosol_splits_its_extinction_by_its_albedo(tmp_path):
+    albedo = "single_scattering_albedo = {wavelength_nm = [450, 650], value = [0.8, 1]}"
+    haze = atmosphere(tmp_path, AIR + ANGSTROM + f"optical_depth = 0.2\n{albedo}").constituents[1]
+    share = np.asarray(haze.scattering) / np.asarray(haze.extinction)
+    np.testing.assert_allclose(share, [0.8, 0.9, 1.0], rtol=1e-12)
+    np.testing.assert_allclose(haze.phase.mean_cosine, 0.7, rtol=1e-12)
+
+
+def test_a_gas_scatters_by_the_fourth_power_and_its_tables_are_met(tmp_path):
+    gas = (
+        '[[constituents]]\nname = "gas"\nkind = "gas"\nnumber_density_per_m3 = 2e25\n'
+        "profile = {kind = 'exponential', scale_height_m = 8000}\n"
+        "absorption_cross_section_m2 = {wavelength_nm = [450, 650], value = [0, 4e-31]}\n"
+    )
+    one = atmosphere(tmp_path, gas + "scattering_cross_section_m2 = 5e-31").constituents[0]
+    np.testing.assert_allclose(one.scattering, 1e-5 * (550 / LAM) ** 4, rtol=1e-12)
+    np.testing.assert_allclose(one.absorption, [0, 4e-6, 8e-6], rtol=1e-12)
+    table = "scattering_cross_section_m2 = {wavelength_nm = [450, 650], value = [1e-30, 3e-31]}"
+    two = atmosphere(tmp_path, gas + table).constituents[0]
+    np.testing.assert_allclose(np.asarray(two.scattering)[[0, 2]], [2e-5, 6e-6], rtol=1e-12)
+
+
+def test_ozone_has_the_column_of_its_dobson_units(tmp_path):
+    ozone = AIR + '[[constituents]]\nname = "ozone"\nkind = "ozone"\ndobson_units = 350\n'
+    built_in = skyfit.preetham_atmosphere(2.0, wavelengths=LAM, ozone=True)
+    found = atmosphere(tmp_path, ozone).optical_depth()[1]
+    np.testing.assert_allclose(found, built_in.optical_depth()[2], rtol=1e-12)
+
+
+def test_a_table_next_to_the_file_is_read_and_kept(tmp_path):
+    (tmp_path / "ground.csv").write_text("wavelength_nm,albedo\n450,0.1\n650,0.3\n")
+    text = AIR + '[ground]\nalbedo = {csv = "ground.csv", column = "albedo"}\n'
+    np.testing.assert_allclose(atmosphere(tmp_path, text).ground_albedo, [0.1, 0.2, 0.3])
+    campaign = skyfit.load_campaign(tmp_path / "own.toml")
+    (tmp_path / "ground.csv").unlink()
+    again = skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict())))
+    assert again == campaign
+    np.testing.assert_allclose(again.build_atmosphere(np.nan).ground_albedo[20], 0.23)  # 580 nm
+
+
+def test_a_black_body_of_the_suns_size_gives_the_solar_constant():
+    # Stefan and Boltzmann: σ T⁴ (R / d)² = 1361 W/m² at 5772 K.
+    lam = np.geomspace(50.0, 2e5, 20000)
+    power = np.trapezoid(np.pi * planck(5772.0, lam), lam) * (SUN_RADIUS / ASTRONOMICAL_UNIT) ** 2
+    np.testing.assert_allclose(power, 1361, rtol=1e-3)
+    sun = {"spectrum": "blackbody", "temperature_K": 5772.0, "radius_solar": 1, "distance_au": 2}
+    near = sunlight_above(sun | {"distance_au": 1}, LAM)
+    np.testing.assert_allclose(sunlight_above(sun, LAM), near / 4, rtol=1e-12)
+
+
+def test_the_standard_sun_is_averaged_over_its_band():
+    sun = {"spectrum": "astm_g173", "distance_au": 1.0}
+    fine = sunlight_above(sun | {"bandwidth_nm": 0.0}, np.arange(540.0, 561.0))
+    mean = sunlight_above(sun | {"bandwidth_nm": 20.0}, np.array([550.0]))
+    trapezoid = (fine.sum() - 0.5 * (fine[0] + fine[-1])) / 20
+    np.testing.assert_allclose(mean, [trapezoid], rtol=1e-12)
+    assert spectrum_at({"wavelength_nm": [400, 500], "value": [1, 3]}, LAM)[0] == 2
+
+
+MONO = {"kind": "lognormal", "median_radius_nm": 500.0, "geometric_deviation": 1.0001,
+        "smallest_radius_nm": 499.9, "largest_radius_nm": 500.1}  # fmt: skip
+
+
+def test_spheres_of_one_size_extinguish_as_miepython_says():
+    part = {"size": MONO, "refractive_index": 1.5, "absorption_index": 0.01}
+    found = mie_optics(part, np.array([550.0]))
+    x = 2 * np.pi * 500 / 550
+    extinction, scattering, _, asymmetry = miepython.efficiencies_mx(1.5 - 0.01j, x)
+    area = np.pi * 500e-9**2
+    np.testing.assert_allclose(found.extinction, [extinction * area], rtol=1e-3)
+    np.testing.assert_allclose(found.albedo, [scattering / extinction], rtol=1e-4)
+    phase = skyfit.phase.Tabulated(found.angle, found.phase)
+    # Log-linear between 93 angles: what an interpolated lobe loses.
+    np.testing.assert_allclose(phase.mean_cosine, [asymmetry], rtol=5e-3)
+
+
+def test_amplitudes_are_those_of_miepython():
+    mu = np.cos(np.radians([0.0, 20.0, 90.0, 180.0]))
+    a, b = miepython.coefficients(1.5 - 0.01j, 6.0)
+    pi_n, tau_n = angular_functions(mu, len(a))
+    n = np.arange(1, len(a) + 1)
+    scale = (2 * n + 1) / (n * (n + 1))
+    ours = abs((scale * a) @ pi_n + (scale * b) @ tau_n)
+    theirs, _ = miepython.S1_S2(1.5 - 0.01j, 6.0, mu, norm="wiscombe")
+    np.testing.assert_allclose(ours / ours[0], abs(theirs) / abs(theirs[0]), rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("size", "effective"),
+    [
+        # Hansen & Travis (1974): a itself; lognormal: r exp(5/2 ln² s).
+        ({"kind": "gamma", "effective_radius_nm": 800.0, "effective_variance": 0.1}, 800.0),
+        (
+            {"kind": "lognormal", "median_radius_nm": 300.0, "geometric_deviation": 1.5},
+            300 * np.exp(2.5 * np.log(1.5) ** 2),
+        ),
+        ({"kind": "power_law", "exponent": 2.0}, 49.9e3 / np.log(500)),
+    ],
+)
+def test_size_distributions_have_the_effective_radius_of_their_formulas(size, effective):
+    # ∫ r³ n dr / ∫ r² n dr, with dr = r d ln r in both. The power law spans 100 to 50000 nm, where
+    # ∫ r d ln r = 49900 nm and ∫ d ln r = ln 500.
+    radius = np.geomspace(100e-9, 50e-6, 4000)
+    if size["kind"] == "lognormal":
+        radius = np.geomspace(1e-9, 50e-6, 4000)
+    count = number_density(size, radius)
+    log_r = np.log(radius)
+    found = np.trapezoid(count * radius**3, log_r) / np.trapezoid(count * radius**2, log_r)
+    np.testing.assert_allclose(found, 1e-9 * effective, rtol=5e-3)
+
+
+def test_a_mie_aerosol_in_a_file_has_its_optical_depth_and_conserves_light(tmp_path):
+    dust = (
+        '[[constituents]]\nname = "dust"\nkind = "mie_aerosol"\noptical_depth = 0.3\n'
+        "refractive_index = 1.5\n"
+        "absorption_index = {wavelength_nm = [450, 650], value = [0.02, 0]}\n"
+        'size = {kind = "gamma", effective_radius_nm = 400, effective_variance = 0.1, '
+        "smallest_radius_nm = 50, largest_radius_nm = 2000}\n"
+    )
+    sky = atmosphere(tmp_path, AIR + dust)
+    np.testing.assert_allclose(sky.optical_depth()[1, 1], 0.3, rtol=1e-9)
+    share = np.asarray(sky.scattering[1] / sky.extinction[1])
+    assert share[0] < share[1] < share[2]
+    np.testing.assert_allclose(share[2], 1, atol=1e-9)
+    assert (np.asarray(sky.constituents[1].phase.mean_cosine) > 0.5).all()
+
+
+def test_a_record_of_a_described_campaign_alone_can_be_simulated_again(tmp_path):
+    (tmp_path / "own.toml").write_text(HEAD + AIR + ANGSTROM + "optical_depth = 0.1\n"
+        '[sweep]\nkey = "constituents.haze.optical_depth"\nvalues = [0.1, 0.3]\n')  # fmt: skip
+    campaign = dataclasses.replace(
+        skyfit.load_campaign(tmp_path / "own.toml"), wavelengths=(500.0, 600.0)
+    )
+    assert campaign.swept == ("optical_depth", (0.1, 0.3))
+    again = skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict())))
+    assert again == campaign
+    for value in campaign.swept[1]:
+        one, other = campaign.build_atmosphere(value), again.build_atmosphere(value)
+        np.testing.assert_array_equal(one.extinction, other.extinction)
+        np.testing.assert_allclose(one.optical_depth()[1].max(), value * 1.1**1.3, rtol=0.03)
+
+
+def test_a_forward_peak_can_be_counted_as_light_that_goes_on():
+    part = {"size": MONO | {"median_radius_nm": 2000.0, "smallest_radius_nm": 1500.0,
+            "largest_radius_nm": 2500.0, "geometric_deviation": 1.2}, "refractive_index": 1.5,
+            "absorption_index": 0.01}  # fmt: skip
+    lam = np.array([550.0])
+    whole, cut = mie_optics(part, lam), mie_optics(part | {"forward_peak_deg": 12.0}, lam)
+    outside = whole.angle > np.radians(12.0)
+    # Outside the peak as much light as before, and the same absorbed.
+    scattered, before = (one.extinction * one.albedo for one in (cut, whole))
+    np.testing.assert_allclose(cut.extinction - scattered, whole.extinction - before, rtol=1e-9)
+    ring = 2 * np.pi * np.sin(whole.angle)
+    norms = [np.trapezoid(one.phase[:, 0] * ring, one.angle) for one in (cut, whole)]
+    np.testing.assert_allclose(
+        scattered * cut.phase[outside, 0] / norms[0],
+        before * whole.phase[outside, 0] / norms[1],
+        rtol=1e-6,
+    )
+    assert 0.3 < scattered[0] / before[0] < 0.7  # diffraction is about half of it
+    level = np.interp(np.radians(12.0), whole.angle, whole.phase[:, 0])
+    np.testing.assert_allclose(cut.phase[~outside].max(), level, rtol=1e-9)
