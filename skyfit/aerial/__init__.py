@@ -5,3 +5,4 @@ from .perspective import (
     AerialPerspective as AerialPerspective,
     aerial_perspective as aerial_perspective,
 )
+from .sunset import Airlight as Airlight, Sunset as Sunset, sunset_airlight as sunset_airlight

@@ -22,7 +22,7 @@ def near_level(layers: Layers, ray: Stretch) -> Float[Array, "species *batch cha
 
     H₁ (1 - e^{-r s}) / r with r = α₁ cosθ + Σ_j β_j H_j.
     """
-    per_metre = jnp.tensordot(jnp.moveaxis(ray.density, 0, -1), layers.extinction, axes=1)
+    per_metre = _outer(ray.density, layers.extinction)
     parts = []
     for number in range(layers.scale_height.shape[0]):
         rate = (ray.cosine / layers.scale_height[number])[..., None] + per_metre
@@ -52,21 +52,16 @@ def by_hermite(
     end, column = lengths(layers, ray, ray.length)
     parts = []
     for number in range(layers.scale_height.shape[0]):
-        others = jnp.ones_like(layers.scale_height).at[number].set(0.0)
-        other_extinction = others[:, None] * layers.extinction
-
-        def fade(at, other_extinction=other_extinction):
-            return jnp.tensordot(jnp.moveaxis(at, 0, -1), other_extinction, axes=1)
-
-        far_value = jnp.exp(-fade(column))
+        others = layers.extinction.at[number].set(0.0)
+        far_value = jnp.exp(-_outer(column, others))
         if slopes == "by v":
             per_t_far = column[number] / end[number]
             per_t_near = column[number] / start[number]
         else:
             per_t_far = per_t_near = end[number] - start[number]
-        far_slope = far_value * fade(end) * per_t_far[..., None]
-        near_slope = fade(start) * per_t_near[..., None]
-        depth = column[number][..., None] * layers.extinction[number]
+        far_slope = far_value * _outer(end, others) * per_t_far[..., None]
+        near_slope = _outer(start, others) * per_t_near[..., None]
+        depth = _outer(column[number][None], layers.extinction[number][None])
         parts.append(
             column[number][..., None] * _cubic_moment(depth, far_value, far_slope, near_slope)
         )
@@ -80,6 +75,11 @@ def as_published(layers: Layers, ray: Stretch) -> Float[Array, "species *batch c
     )
     level = (climb < NEARLY_LEVEL)[..., None]
     return jnp.where(level, near_level(layers, ray), by_hermite(layers, ray))
+
+
+def _outer(amounts, coefficients):
+    """Σ over species of an amount along each ray times a coefficient in each channel."""
+    return jnp.tensordot(jnp.moveaxis(amounts, 0, -1), coefficients, axes=1)
 
 
 def _cubic_moment(depth, far, far_slope, near_slope):

@@ -9,7 +9,6 @@ from .._typing import ArrayLike, as_float
 from ..atmosphere import Atmosphere
 from ..models.directions import align
 from .scene import (
-    Channels,
     Sky,
     check_channels,
     layered_air,
@@ -90,7 +89,7 @@ def ward_larson_aerial(
     sun_zenith: ArrayLike,
     *,
     wavelengths: ArrayLike | None = None,
-    channels: Channels = "spectral",
+    channels: str = "spectral",
 ) -> ConstantAmbient:
     """Ward-Larson's model as Preetham et al. (1999), section 5, compare with their own.
 

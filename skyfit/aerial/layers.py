@@ -102,10 +102,11 @@ def stretch(
     faintest = jnp.min(layers.extinction, axis=1).reshape(scale.shape)
     per_metre = jnp.maximum(faintest * density, 1e-12)
     # Where one constituent alone has grown opaque: τ = β u₀ H (1 - e^{-x cosθ/H}) / cosθ.
-    share = jnp.minimum(_SEEN_THROUGH * cosine[None] / (per_metre * scale), 1 - 1e-6)
-    level = jnp.abs(share) < 1e-3
-    ratio = -jnp.log1p(-share) / jnp.where(level, 1.0, share)
+    share = _SEEN_THROUGH * cosine[None] / (per_metre * scale)
+    never, level = share > 1 - 1e-6, jnp.abs(share) < 1e-3
+    ratio = -jnp.log1p(-jnp.where(never, 0.0, share)) / jnp.where(level, 1.0, share)
     opaque = _SEEN_THROUGH / per_metre * jnp.where(level, 1 + share / 2, ratio)
+    opaque = jnp.where(never, jnp.inf, opaque)
     thin = _THINNED_OUT * jnp.max(layers.scale_height) / jnp.maximum(cosine, 1e-9)
     end = jax.lax.stop_gradient(jnp.minimum(jnp.min(opaque, axis=0), thin))
     falls = cosine < 0

@@ -1,6 +1,7 @@
 """Aerial perspective under any sky: L(s) = L₀ τ + Σ_i S_i⁰ I_i."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -10,7 +11,6 @@ from ..models.directions import align
 from . import closed, integrals, layers as along
 from .layers import Layers
 from .scene import (
-    Channels,
     Sky,
     check_channels,
     layered_air,
@@ -33,7 +33,7 @@ METHODS = {
 class AerialPerspective(eqx.Module):
     """What happens to light between an object and the eye.
 
-    Channels, on the last axis, are wavelengths [W m⁻² sr⁻¹ nm⁻¹] or linear sRGB [cd m⁻²].
+    on the last axis, are wavelengths [W m⁻² sr⁻¹ nm⁻¹] or linear sRGB [cd m⁻²].
     Angles in radians, lengths in metres. Arguments broadcast.
 
     Attributes:
@@ -49,7 +49,7 @@ class AerialPerspective(eqx.Module):
     source: Source
     wavelengths: Spectrum
     method: str = eqx.field(static=True)
-    channels: Channels = eqx.field(static=True)
+    channels: str = eqx.field(static=True)
 
     def apply(
         self,
@@ -82,18 +82,14 @@ class AerialPerspective(eqx.Module):
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light, arguments as `apply`: L = L₀ τ + in-scattered."""
         s, view, azimuth, height = _rays(distance, view_zenith, relative_azimuth, eye_height)
-        ray = along.stretch(self.layers, s, jnp.cos(view), height)
-        paths = METHODS[self.method](self.layers, ray)
-        glow = jnp.moveaxis(self.source(view, azimuth), -2, 0)
-        return along.transmittance(self.layers, ray), jnp.sum(glow * paths, axis=0)
+        return _split(self, s, view, azimuth, height)
 
     def transmittance(
         self, distance: ArrayLike, view_zenith: ArrayLike, eye_height: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives; arguments as `apply`."""
         s, view, height = _rays(distance, view_zenith, eye_height)
-        ray = along.stretch(self.layers, s, jnp.cos(view), height)
-        return along.transmittance(self.layers, ray)
+        return _transmittance(self.layers, s, view, height)
 
     def inscatter(
         self,
@@ -106,13 +102,26 @@ class AerialPerspective(eqx.Module):
         return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
 
 
+@jax.jit
+def _transmittance(layers, distance, view, height):
+    return along.transmittance(layers, along.stretch(layers, distance, jnp.cos(view), height))
+
+
+@jax.jit
+def _split(model: AerialPerspective, distance, view, azimuth, height):
+    ray = along.stretch(model.layers, distance, jnp.cos(view), height)
+    paths = METHODS[model.method](model.layers, ray)
+    glow = jnp.moveaxis(model.source(view, azimuth), -2, 0)
+    return along.transmittance(model.layers, ray), jnp.sum(glow * paths, axis=0)
+
+
 def aerial_perspective(
     atmosphere: Atmosphere | ArrayLike,
     sky: Sky,
     sun_zenith: ArrayLike,
     *,
     wavelengths: ArrayLike | None = None,
-    channels: Channels = "spectral",
+    channels: str = "spectral",
     method: str = "quadrature",
     sun_irradiance: ArrayLike | None = None,
     ground_albedo: ArrayLike | None = None,

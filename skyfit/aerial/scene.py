@@ -1,7 +1,7 @@
 """What every model of aerial perspective is given: air, a sky, a sun, channels."""
 
 from collections.abc import Callable
-from typing import Literal, cast
+from typing import cast
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,7 +16,6 @@ from ..transfer.simulate_sky import simulate
 from .layers import PAPER_SCALE_HEIGHTS, Layers, exponential_layers
 
 
-Channels = Literal["spectral", "rgb"]
 Sky = AbstractSkyModel | Callable[[Array, Array], Array] | None
 
 
