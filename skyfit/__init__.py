@@ -44,12 +44,22 @@ if TYPE_CHECKING:
         shape_error as shape_error,
     )
     from .measurements import cornell_skies as cornell_skies
-    from .models import preetham_sky as preetham_sky
+    from .models import (
+        cie_clear_sky as cie_clear_sky,
+        cie_general_sky as cie_general_sky,
+        cie_intermediate_sky as cie_intermediate_sky,
+        cie_overcast_sky as cie_overcast_sky,
+        overcast_blend_sky as overcast_blend_sky,
+        perez_all_weather_sky as perez_all_weather_sky,
+        perez_clear_sky as perez_clear_sky,
+        preetham_sky as preetham_sky,
+    )
     from .preetham_air import preetham_atmosphere as preetham_atmosphere
     from .report.coefficients import coefficient_table as coefficient_table
     from .report.pipeline import reproduce as reproduce
     from .runner import run_campaign as run_campaign
     from .sun import (
+        clear_sky_irradiance as clear_sky_irradiance,
         sun_irradiance as sun_irradiance,
         sun_position as sun_position,
         sun_xyY as sun_xyY,
@@ -83,12 +93,21 @@ _NAMES = {
         "shape_error",
     ),
     "measurements": ("cornell_skies",),
-    "models": ("preetham_sky",),
+    "models": (
+        "cie_clear_sky",
+        "cie_general_sky",
+        "cie_intermediate_sky",
+        "cie_overcast_sky",
+        "overcast_blend_sky",
+        "perez_all_weather_sky",
+        "perez_clear_sky",
+        "preetham_sky",
+    ),
     "preetham_air": ("preetham_atmosphere",),
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
     "runner": ("run_campaign",),
-    "sun": ("sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
+    "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names}

@@ -10,7 +10,15 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike
 from ..colour import spectrum_to_xyY
-from ..models import preetham_sky
+from ..models import (
+    cie_clear_sky,
+    cie_general_sky,
+    cie_intermediate_sky,
+    cie_overcast_sky,
+    overcast_blend_sky,
+    perez_clear_sky,
+    preetham_sky,
+)
 from ..preetham_air import preetham_atmosphere
 from ..transfer.simulate_sky import Sky, simulate
 from .peers import HosekWilkieSky
@@ -87,4 +95,10 @@ MODELS = (
     Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
     Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
+    Entry("Preetham to overcast, T 6 to 10", lambda at: overcast_blend_sky(at.turbidity)),
+    Entry("CIE clear", lambda at: cie_clear_sky(at.turbidity)),
+    Entry("CIE general, type 12: clear", lambda at: cie_general_sky(12)),
+    Entry("Perez 1993, clear irradiance", lambda at: perez_clear_sky(at.turbidity)),
+    Entry("CIE intermediate", lambda at: cie_intermediate_sky(at.turbidity)),
+    Entry("CIE overcast", lambda at: cie_overcast_sky()),
 )

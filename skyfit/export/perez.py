@@ -5,7 +5,8 @@ import re
 
 import numpy as np
 
-from ..models.perez import CHANNELS, COEFFICIENTS, LEAST_COSINE, TWILIGHT_DECAY, PerezSky
+from ..models.perez import CHANNELS, COEFFICIENTS, LEAST_COSINE, PerezSky
+from ..models.twilight import TWILIGHT_DECAY
 from .description import Description, Function, Line, exact, linear, number, polynomial
 
 

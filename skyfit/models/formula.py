@@ -16,8 +16,8 @@ from ..spectrum import linear_in_wavelength
 from .base import AbstractSkyModel
 from .basis import AbstractBasis
 from .directions import align, angle_between, components
-from .perez import TWILIGHT_DECAY
 from .shapes import AbstractShape
+from .twilight import TWILIGHT_DECAY
 
 
 CHANNEL_KINDS = {"Yxy": ("x", "y", "Y"), "XYZ": ("X", "Y", "Z"), "RGB": ("R", "G", "B")}

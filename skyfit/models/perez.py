@@ -4,8 +4,6 @@ Sources: Perez, Seals & Michalsky (1993), "All-weather model for sky luminance d
 Energy 50(3); Preetham, Shirley & Smits (1999), equations 3 and 4.
 """
 
-import math
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -15,6 +13,7 @@ from .._typing import ArrayLike, as_float
 from ..angles import view_sun_angle
 from .base import AbstractSkyModel
 from .directions import align, angle_between, combine, components, in_pieces
+from .twilight import daytime_sun, dimming
 from .zenith import CubicZenith, TangentZenith
 
 
@@ -24,7 +23,6 @@ COEFFICIENTS = ("A", "B", "C", "D", "E")
 # At cos θ below this, e^{B/cos θ} is 0 in float64 for any B below -1e-6: the limit is exact there.
 LEAST_COSINE = 1e-9
 _XYZ_FROM_TOTAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -1.0, 1.0))  # Z = total - X - Y
-TWILIGHT_DECAY = math.log(10) / math.radians(2.5)  # per radian of the sun's depression
 
 
 def perez(
@@ -124,9 +122,8 @@ class PerezSky(AbstractSkyModel):
 
     def _zenith(self, sun_zenith):
         """x, y and Y of the zenith, on the first axis."""
-        held, day = self._held(), jnp.clip(sun_zenith, 0.0, math.pi / 2)
-        night = jnp.exp(-TWILIGHT_DECAY * (jnp.maximum(sun_zenith, math.pi / 2) - math.pi / 2))
-        luminance = night * jnp.maximum(self.zenith_luminance(held, day), 0.0)
+        held, day = self._held(), daytime_sun(sun_zenith)
+        luminance = dimming(sun_zenith) * jnp.maximum(self.zenith_luminance(held, day), 0.0)
         return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
 
 

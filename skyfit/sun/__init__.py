@@ -1,5 +1,9 @@
 """The sun: where it stands, and its light at the ground."""
 
+from .irradiance import (
+    Irradiance as Irradiance,
+    clear_sky_irradiance as clear_sky_irradiance,
+)
 from .light import (
     sun_irradiance as sun_irradiance,
     sun_xyY as sun_xyY,
