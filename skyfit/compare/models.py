@@ -95,10 +95,10 @@ MODELS = (
     Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
     Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
-    Entry("Preetham to overcast, T 6 to 10", lambda at: overcast_blend_sky(at.turbidity)),
+    Entry("Preetham, overcast from 10", lambda at: overcast_blend_sky(at.turbidity)),
     Entry("CIE clear", lambda at: cie_clear_sky(at.turbidity)),
-    Entry("CIE general, type 12: clear", lambda at: cie_general_sky(12)),
-    Entry("Perez 1993, clear irradiance", lambda at: perez_clear_sky(at.turbidity)),
+    Entry("CIE general 12: clear", lambda at: cie_general_sky(12)),
+    Entry("Perez 1993, clear air", lambda at: perez_clear_sky(at.turbidity)),
     Entry("CIE intermediate", lambda at: cie_intermediate_sky(at.turbidity)),
     Entry("CIE overcast", lambda at: cie_overcast_sky()),
 )
