@@ -20,10 +20,16 @@ VIEWS = ("fisheye", "panorama", "perspective")
 @click.command()
 @click.argument("sky", type=click.Path(path_type=Path), required=False)
 @click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="Ends in .exr, .hdr or .png."
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Ends in .exr, .hdr or .png; .gif or .apng for a day.",
 )
 @click.option("--turbidity", type=float, help="Of the sky, where the file does not say.")
-@click.option("--sun-zenith-deg", type=click.FloatRange(0, 180), default=45.0, show_default=True)
+@click.option(
+    "--sun-zenith-deg", type=click.FloatRange(0, 180),
+    help="45 if absent, or the sun of the one sky in SKY.",
+)  # fmt: skip
 @click.option(
     "--sun-azimuth-deg", type=float, default=180.0, show_default=True,
     help="Compass: 0 north, 90 east.",
@@ -46,7 +52,20 @@ VIEWS = ("fisheye", "panorama", "perspective")
 @click.option("--field-of-view-deg", type=float, default=65.0, show_default=True)
 @click.option("--altitude-m", type=click.FloatRange(0), default=0.0, show_default=True)
 @click.option("--sun/--no-sun", "sun_disc", default=True, help="Show the sun's disc.")
-@click.option("--ground-albedo", type=click.FloatRange(0, 1), default=0.2, show_default=True)
+@click.option(
+    "--ground-albedo", type=click.FloatRange(0, 1),
+    help="Below the horizon; 0.2 if absent, or the atmosphere's own.",
+)  # fmt: skip
+@click.option("--latitude-deg", type=click.FloatRange(-90, 90), help="Of a day.")
+@click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day.")
+@click.option(
+    "--to-sun-zenith-deg", type=click.FloatRange(0, 180),
+    help="In place of a day: the sun moves here from --sun-zenith-deg.",
+)  # fmt: skip
+@click.option(
+    "--frames", type=click.IntRange(1, 2000), default=96, show_default=True, help="Of a day."
+)
+@click.option("--seconds", type=float, default=8.0, show_default=True, help="A day lasts.")
 @click.option("--ev", type=float, help="Exposure value (ISO 100) of a PNG; automatic if absent.")
 @click.option(
     "--tone", type=click.Choice(TONES), default="aces", show_default=True,
@@ -63,28 +82,50 @@ VIEWS = ("fisheye", "panorama", "perspective")
 @click.option("--overwrite", is_flag=True, help="Replace the picture that is there.")
 @as_json
 def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
-    """Make a picture of a sky: fisheye dome, panorama or perspective.
+    """Make a picture of a sky: fisheye dome, panorama, perspective, or a day of them.
 
-    SKY is a fit (.json); without it the published model is shown. EXR and HDR files hold
-    luminance, a PNG what a camera would show of it.
+    SKY is a fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr, .nc), or
+    the word cornell for a measured sky; without it the published model is shown. EXR and HDR files
+    hold luminance, a PNG what a camera would show of it.
     """
     look = skyfit.render
-    look.check_target(out, options["overwrite"])
+    kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
-    source = look.load_source(sky, options["turbidity"])
-    with progress("rendering", quiet=as_json):
-        picture = look.render(
-            source,
-            camera,
-            np.radians(options["sun_zenith_deg"]),
-            np.radians(options["sun_azimuth_deg"]),
-            sun_disc=options["sun_disc"],
-            ground_albedo=options["ground_albedo"],
-        )
-    names = ("ev", "tone", "gamut", "precision", "overwrite")
-    record = picture.save(out, **{name: options[name] for name in names})
-    print_record({"sky": picture.description, **record}, as_json)
+    given = _radians(options["sun_zenith_deg"])
+    source = look.load_source(sky, options["turbidity"], given, options["altitude_m"])
+    shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
+    saved = {name: options[name] for name in ("ev", "tone", "gamut", "overwrite")}
+    zenith, azimuth = look.sun_of(source, given), np.radians(options["sun_azimuth_deg"])
+    with progress("rendering", quiet=as_json) as bar:
+        if kind in (".gif", ".apng"):
+            record = look.animate(
+                out, source, camera, _suns(options, zenith, azimuth), seconds=options["seconds"],
+                progress=lambda done, total: bar("frames", done, total), **saved, **shown,
+            )  # fmt: skip
+            record = {"sky": source.name, **record}
+        else:
+            picture = look.render(source, camera, zenith, azimuth, **shown)
+            record = picture.save(out, precision=options["precision"], **saved)
+            record = {"sky": picture.description, **record}
+    print_record(record, as_json)
     return 0
+
+
+def _suns(options: dict[str, Any], zenith: float, azimuth: float) -> np.ndarray:
+    """Zenith angle and azimuth of every frame."""
+    frames, last = options["frames"], _radians(options["to_sun_zenith_deg"])
+    if last is not None:
+        return np.stack([np.linspace(zenith, last, frames), np.full(frames, azimuth)], axis=1)
+    if options["latitude_deg"] is None or options["day_of_year"] is None:
+        raise click.UsageError(
+            "--out: a day needs --latitude-deg and --day-of-year, or --to-sun-zenith-deg"
+        )
+    latitude = np.radians(options["latitude_deg"])
+    return skyfit.render.day_of_suns(latitude, options["day_of_year"], frames)
+
+
+def _radians(degrees: float | None) -> float | None:
+    return None if degrees is None else float(np.radians(degrees))
 
 
 def _camera(options: dict[str, Any]):

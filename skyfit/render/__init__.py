@@ -4,6 +4,7 @@
 `Picture.save` writes it. A source comes from `load_source` or from a class of its own.
 """
 
+from .animation import animate as animate, day_of_suns as day_of_suns
 from .cameras import (
     PROJECTIONS as PROJECTIONS,
     AbstractCamera as AbstractCamera,
@@ -17,6 +18,8 @@ from .picture import (
     horizontal_irradiance as horizontal_irradiance,
     render as render,
 )
-from .source_files import load_source as load_source
+from .recorded import RecordedSource as RecordedSource, select_sky as select_sky
+from .simulated import SimulatedSource as SimulatedSource
+from .source_files import load_source as load_source, sun_of as sun_of
 from .sources import AbstractSource as AbstractSource, ModelSource as ModelSource
 from .tone import GAMUTS as GAMUTS, TONES as TONES

@@ -106,7 +106,7 @@ class Fisheye(AbstractCamera):
             zenith = np.arccos(1 - np.minimum(radius, 1) ** 2)
             solid_angle = np.full_like(radius, 2 * area)
         azimuth = self.top - np.arctan2(right, up)
-        return Rays(_vectors(zenith, azimuth), radius <= 1, solid_angle)
+        return Rays(direction_of(zenith, azimuth), radius <= 1, solid_angle)
 
     def place(self, direction):  # noqa: D102
         east, north, up = np.moveaxis(direction, -1, 0)
@@ -146,7 +146,7 @@ class Panorama(AbstractCamera):
         zenith, azimuth = row * step, self.centre - np.pi + column * step
         # Exact for a pixel about this place: the difference of two cosines.
         solid_angle = step * 2 * np.sin(step / 2) * np.sin(zenith)
-        return Rays(_vectors(zenith, azimuth), np.ones(zenith.shape, bool), solid_angle)
+        return Rays(direction_of(zenith, azimuth), np.ones(zenith.shape, bool), solid_angle)
 
     def place(self, direction):  # noqa: D102
         east, north, up = np.moveaxis(direction, -1, 0)
@@ -220,12 +220,11 @@ class Perspective(AbstractCamera):
         return forward, right, np.cross(right, forward)
 
 
-def direction_of(zenith: float, azimuth: float) -> Float[np.ndarray, " 3"]:
-    """Unit vector east, north, up of a zenith angle and a compass azimuth [rad]."""
-    return _vectors(zenith, azimuth)
-
-
-def _vectors(zenith, azimuth) -> np.ndarray:
+def direction_of(
+    zenith: float | np.ndarray, azimuth: float | np.ndarray
+) -> Float[np.ndarray, "*shape 3"]:
+    """Unit vectors east, north, up of zenith angles and compass azimuths [rad]; they broadcast."""
+    zenith, azimuth = np.broadcast_arrays(zenith, azimuth)
     sine = np.sin(zenith)
     return np.stack([sine * np.sin(azimuth), sine * np.cos(azimuth), np.cos(zenith)], axis=-1)
 

@@ -99,7 +99,7 @@ def render(
     sun_azimuth: float = np.pi,
     *,
     sun_disc: bool = True,
-    ground_albedo: float = 0.2,
+    ground_albedo: float | None = None,
 ) -> Picture:
     """Make a picture of a sky.
 
@@ -110,7 +110,7 @@ def render(
         sun_azimuth: Its compass azimuth, north 0, east π/2 [rad].
         sun_disc: Show the disc, 0.53° across. Pixels it fills in part have its light in part.
         ground_albedo: Of a Lambertian ground below the horizon, lit by this sky and sun; only
-            where the source has no ground of its own.
+            where the source has no ground of its own. None: the source's `ground_albedo`.
 
     Returns:
         The picture, in absolute luminance.
@@ -122,15 +122,16 @@ def render(
         raise ValueError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
     if not np.isfinite(sun_azimuth):
         raise ValueError(f"render(sun_azimuth=...): expected a number; got {sun_azimuth}")
-    if not 0 <= ground_albedo <= 1:
-        raise ValueError(f"render(ground_albedo=...): expected 0 to 1; got {ground_albedo:.6g}")
+    albedo = source.ground_albedo if ground_albedo is None else ground_albedo
+    if not 0 <= albedo <= 1:
+        raise ValueError(f"render(ground_albedo=...): expected 0 to 1; got {albedo:.6g}")
     rays = camera.rays()
     direction = rays.direction.reshape(-1, 3)
     light = np.array(source.xyz(direction, sun_zenith, sun_azimuth), np.float32)
     sun = source.sun_xyz(sun_zenith) if sun_disc else None
     below = direction[:, 2] < 0
     if not source.has_ground and below.any():
-        light[below] = ground_xyz(source, sun_zenith, sun_azimuth, ground_albedo, sun)
+        light[below] = ground_xyz(source, sun_zenith, sun_azimuth, albedo, sun)
     light = light.reshape(*camera.shape, 3)
     weight = np.where(rays.inside, rays.solid_angle, 0.0)
     if sun is not None and sun[1] > 0:

@@ -2,29 +2,64 @@
 
 from pathlib import Path
 
+import numpy as np
+
+from ..campaign_file import load_campaign
+from ..dataset import load_dataset
 from ..fitting import load_fit
+from ..measurements import cornell_skies
 from ..models import preetham_sky
-from ..preetham_air import preetham_atmosphere
+from .recorded import RecordedSource, select_sky
+from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
 
 
-def load_source(path: Path | None, turbidity: float | None) -> AbstractSource:
-    """The sky of a file, or the published model.
+MEASURED = "cornell"
+
+
+def load_source(
+    path: Path | None,
+    turbidity: float | None = None,
+    sun_zenith: float | None = None,
+    altitude: float = 0.0,
+) -> AbstractSource:
+    """The sky of a file, the published model, or a measured sky.
 
     Args:
-        path: A fit (.json); None for the published model.
-        turbidity: Of the published model, and of a fit that was swept over it.
+        path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
+            .nc), "cornell" for the measured skies; None for the published model.
+        turbidity: Of the published model, of a fit or campaign or dataset that has several, and of
+            the air before the sun where the sky does not know it.
+        sun_zenith: Which sky of a dataset [rad].
+        altitude: Of the eye, for simulated skies [m].
 
     Raises:
         ValueError: The file is none of these; the turbidity is missing, or out of place.
     """
+    if altitude and (path is None or path.suffix != ".toml"):
+        raise ValueError(
+            f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "
+            f"altitude; got {altitude:g} m"
+        )
     if path is None:
         value = _needed(turbidity, "the published model")
         name = f"Preetham, Shirley & Smits (1999), turbidity {value:g}"
-        return ModelSource(preetham_sky(value), preetham_atmosphere(value), name)
+        return ModelSource(preetham_sky(value), value, name)
     if path.suffix == ".json":
         return _fitted(path, turbidity)
-    raise ValueError(f"{path}: expected a fit (.json)")
+    if path.suffix == ".toml":
+        return _simulated(path, turbidity, altitude)
+    if path.suffix in (".zarr", ".nc"):
+        sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
+        return RecordedSource(sky, path.name, turbidity)
+    if str(path) == MEASURED:
+        sky = select_sky(cornell_skies(), MEASURED, None, sun_zenith)
+        minutes = int(sky["local_time"])
+        name = f"Ithaca, 2013-05-27 {minutes // 60:02d}:{minutes % 60:02d}"
+        return RecordedSource(sky, f"{name}, measured by Kider et al. (2014)", turbidity)
+    raise ValueError(
+        f"{path}: expected a fit (.json), a campaign (.toml), a dataset (.zarr, .nc) or {MEASURED}"
+    )
 
 
 def _fitted(path: Path, turbidity: float | None) -> ModelSource:
@@ -32,14 +67,37 @@ def _fitted(path: Path, turbidity: float | None) -> ModelSource:
     if fit.parameter_name == "turbidity":
         value = _needed(turbidity, str(path))
         name = f"{path.name}, turbidity {value:g}"
-        return ModelSource(fit.sky(turbidity=value), preetham_atmosphere(value), name)
+        return ModelSource(fit.sky(turbidity=value), value, name)
     if fit.parameter_name is not None:
         raise ValueError(f"{path}: swept over {fit.parameter_name}; expected turbidity or nothing")
-    air = None if turbidity is None else preetham_atmosphere(turbidity)
-    return ModelSource(fit.sky(), air, path.name)
+    return ModelSource(fit.sky(), turbidity, path.name)
+
+
+def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSource:
+    campaign = load_campaign(path)
+    swept, values = campaign.swept
+    if value is None:
+        if len(values) > 1:
+            there = ", ".join(f"{one:g}" for one in values)
+            raise ValueError(f"{path}: expected one {swept}, such as one of {there}; got none")
+        value = next(iter(values))
+    if campaign.geometry != "spherical":
+        raise ValueError(f"{path}: pictures are spherical; got the geometry {campaign.geometry!r}")
+    name = f"{path.name}, simulated, {swept} {value:g}"
+    return SimulatedSource(
+        campaign.build_atmosphere(value), name, campaign.orders, campaign.quality,
+        altitude or campaign.observer_altitude,
+    )  # fmt: skip
 
 
 def _needed(turbidity: float | None, what: str) -> float:
     if turbidity is None:
         raise ValueError(f"{what}: expected a turbidity; got none")
     return turbidity
+
+
+def sun_of(source: AbstractSource, sun_zenith: float | None) -> float:
+    """The sun's zenith angle [rad]: the one given, else that of a recorded sky, else 45°."""
+    if sun_zenith is not None:
+        return sun_zenith
+    return source.sun_zenith if isinstance(source, RecordedSource) else float(np.radians(45.0))

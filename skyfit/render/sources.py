@@ -7,8 +7,9 @@ from jaxtyping import Float
 
 from .._typing import as_scalar
 from ..atmosphere import Atmosphere
-from ..colour import spectrum_to_xyz
+from ..colour import spectrum_to_xyz, xyY_to_xyz
 from ..models.base import AbstractSkyModel
+from ..sun.light import sun_xyY, visible_fraction
 from .cameras import direction_of
 from .sun_disc import disc_radiance, hidden_sine
 
@@ -18,10 +19,12 @@ class AbstractSource(abc.ABC):
 
     Attributes:
         has_ground: Whether it answers below the horizon; else the picture gives it a ground.
+        ground_albedo: Of that ground, unless the caller says otherwise.
         name: What it is, in a few words.
     """
 
     has_ground: bool = False
+    ground_albedo: float = 0.2
     name: str
 
     @abc.abstractmethod
@@ -54,24 +57,38 @@ class ModelSource(AbstractSource):
 
     Args:
         model: The sky.
-        air: Through which the sun is seen; None if unknown.
+        turbidity: Of the air before the sun; None if unknown.
         name: What it is.
     """
 
-    def __init__(self, model: AbstractSkyModel, air: Atmosphere | None, name: str):
-        self.model, self.air, self.name = model, air, name
+    def __init__(self, model: AbstractSkyModel, turbidity: float | None, name: str):
+        self.model, self.turbidity, self.name = model, turbidity, name
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
         sun = direction_of(sun_zenith, sun_azimuth).astype(direction.dtype)
         return np.asarray(self.model.xyz(direction, sun))
 
     def sun_xyz(self, sun_zenith):  # noqa: D102
-        if self.air is None:
-            raise ValueError(
-                f"{self.name}: what dims the sun is unknown; expected a turbidity, or a picture "
-                "without the sun's disc"
-            )
-        return sun_through(self.air, sun_zenith, 0.0)
+        return sun_through_haze(self.name, self.turbidity, sun_zenith)
+
+
+def sun_through_haze(
+    name: str, turbidity: float | None, sun_zenith: float
+) -> Float[np.ndarray, " 3"]:
+    """Mean CIE XYZ [cd m⁻²] of what is above the horizon of the sun's disc; see `skyfit.sunlight`.
+
+    Raises:
+        ValueError: The turbidity is not known.
+    """
+    if turbidity is None:
+        raise ValueError(
+            f"{name}: what dims the sun is unknown; expected a turbidity, or a picture without the "
+            "sun's disc"
+        )
+    above = float(visible_fraction(as_scalar(sun_zenith, "sun_zenith")))
+    if above < 1e-6:
+        return np.zeros(3)
+    return np.asarray(xyY_to_xyz(sun_xyY(turbidity, sun_zenith))) / above
 
 
 def sun_through(air: Atmosphere, sun_zenith: float, altitude: float) -> Float[np.ndarray, " 3"]:
