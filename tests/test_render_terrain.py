@@ -1,13 +1,22 @@
 """Landscapes: heights, rays that meet land, shadows, light on slopes, air before it."""
 
+import json
 import math
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from picture_readers import read_exr
 
+from skyfit import cli
 from skyfit.constants import EARTH_RADIUS, SUN_SOLID_ANGLE
-from skyfit.render import Perspective, horizontal_irradiance, load_source
+from skyfit.render import (
+    ModelSource,
+    Perspective,
+    air_before,
+    horizontal_irradiance,
+    load_source,
+)
 from skyfit.render.cameras import direction_of
 from skyfit.render.elevation import Elevation, load_elevation, sample_elevation
 from skyfit.render.horizon_scan import meet, scan
@@ -195,3 +204,44 @@ def test_impossible_samples_are_refused(published, plain):
     with pytest.raises(ValueError, match=r"expected 1, 4, 9, 16, ...; got 5"):
         render_terrain(published, plain, Perspective(4, 4), (0.0, 0.0), 0.5, 0.0, None, samples=5)
     assert direction_of(0.0, 0.0)[2] == 1
+
+
+def test_the_command_renders_the_sample_terrain(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["render", "--turbidity", "3", "--view", "perspective", "--terrain", "sample",
+             "--altitude-m", "300", "--height", "9", "--samples", "1", "--json"]  # fmt: skip
+    light = {}
+    for kind in ("none", "ward-larson"):
+        assert (
+            cli.run([*words, "--aerial", kind, "--out", f"{kind}.exr", "--precision", "float"]) == 0
+        )
+        assert "land of albedo 0.2" in json.loads(capsys.readouterr().out)["sky"]
+        found, _ = read_exr(tmp_path / f"{kind}.exr")
+        light[kind] = np.stack([found[name] for name in "RGB"], axis=-1)
+    # Land below the horizon, sky above it; air makes the land bluer.
+    assert np.array_equal(light["none"][0], light["ward-larson"][0])
+    blue = {kind: (one[-1, :, 2] / one[-1, :, 0]).mean() for kind, one in light.items()}
+    assert blue["ward-larson"] > 1.02 * blue["none"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--terrain", "sample"], "--terrain: only for --view perspective"),
+        (["--terrain", "x.npz", "--view", "perspective"], "x.npz: No such file or directory"),
+        (["--terrain", "x.bmp", "--view", "perspective"], "x.bmp: expected a name ending in .npz"),
+    ],
+)
+def test_mistakes_are_answered_with_one_line(tmp_path, monkeypatch, capsys, words, message):
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["render", "--turbidity", "3", *words, "--out", "a.png"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_sky_of_unknown_air_has_no_aerial_perspective(published):
+    unknown = ModelSource(published.model, None, "a fit")
+    with pytest.raises(ValueError, match="a fit: its air is unknown"):
+        air_before(unknown, 0.5)
+    assert air_before(unknown, 0.5, "none") is None
+    with pytest.raises(ValueError, match="expected one of paper, ward-larson, none"):
+        air_before(published, 0.5, "fog")

@@ -14,6 +14,7 @@ from .output import print_record, progress
 
 PROJECTIONS, PRECISIONS = ("equidistant", "equal-area"), ("half", "float")
 TONES, GAMUTS = ("linear", "scs", "reinhard", "aces"), ("desaturate", "clip", "keep")
+AIRS = ("paper", "ward-larson", "none")
 VIEWS = ("fisheye", "panorama", "perspective")
 
 
@@ -25,7 +26,11 @@ VIEWS = ("fisheye", "panorama", "perspective")
     required=True,
     help="Ends in .exr, .hdr or .png; .gif or .apng for a day.",
 )
-@click.option("--turbidity", type=float, help="Of the sky, where the file does not say.")
+@click.option(
+    "--turbidity",
+    type=float,
+    help="Of the sky where the file has several or none; or the value of what else it sweeps.",
+)
 @click.option(
     "--sun-zenith-deg", type=click.FloatRange(0, 180),
     help="45 if absent, or the sun of the one sky in SKY.",
@@ -79,6 +84,17 @@ VIEWS = ("fisheye", "panorama", "perspective")
     "--precision", type=click.Choice(PRECISIONS), default="half", show_default=True,
     help="Of an EXR.",
 )  # fmt: skip
+@click.option(
+    "--terrain", type=click.Path(path_type=Path),
+    help="Heights (.npz, .tif) to stand on, or the word sample; for --view perspective.",
+)  # fmt: skip
+@click.option("--eye-east-m", type=float, help="Of the terrain's corner; its middle if absent.")
+@click.option("--eye-north-m", type=float, help="Of the terrain's corner; its middle if absent.")
+@click.option(
+    "--aerial", type=click.Choice(AIRS), default="paper", show_default=True,
+    help="Air before the terrain.",
+)  # fmt: skip
+@click.option("--samples", type=int, default=16, show_default=True, help="Per pixel of a terrain.")
 @click.option("--overwrite", is_flag=True, help="Replace the picture that is there.")
 @as_json
 def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
@@ -92,7 +108,9 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
     given = _radians(options["sun_zenith_deg"])
-    source = look.load_source(sky, options["turbidity"], given, options["altitude_m"])
+    land = _land(options["terrain"], options["view"])
+    height = 0.0 if land is not None else options["altitude_m"]
+    source = look.load_source(sky, options["turbidity"], given, height)
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
     saved = {name: options[name] for name in ("ev", "tone", "gamut", "overwrite")}
     zenith, azimuth = look.sun_of(source, given), np.radians(options["sun_azimuth_deg"])
@@ -104,11 +122,38 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
             )  # fmt: skip
             record = {"sky": source.name, **record}
         else:
-            picture = look.render(source, camera, zenith, azimuth, **shown)
+            picture = (
+                look.render(source, camera, zenith, azimuth, **shown)
+                if land is None
+                else _landscape(source, land, camera, zenith, azimuth, options, bar)
+            )
             record = picture.save(out, precision=options["precision"], **saved)
             record = {"sky": picture.description, **record}
     print_record(record, as_json)
     return 0
+
+
+def _land(terrain: Path | None, view: str):
+    if terrain is None:
+        return None
+    if view != "perspective":
+        raise click.UsageError("--terrain: only for --view perspective")
+    look = skyfit.render
+    return look.sample_elevation() if str(terrain) == "sample" else look.load_elevation(terrain)
+
+
+def _landscape(source, land, camera, zenith, azimuth, options, bar):
+    look, (wide, deep) = skyfit.render, land.size
+    albedo = options["ground_albedo"]
+    albedo = source.ground_albedo if albedo is None else albedo
+    east, north = options["eye_east_m"], options["eye_north_m"]
+    eye = (wide / 2 if east is None else east, deep / 2 if north is None else north)
+    air = look.air_before(source, zenith, options["aerial"], albedo)
+    return look.render_terrain(
+        source, land, camera, eye, zenith, azimuth, air, albedo=albedo,
+        samples=options["samples"], sun_disc=options["sun_disc"],
+        progress=lambda done, total: bar("samples", done, total),
+    )  # fmt: skip
 
 
 def _suns(options: dict[str, Any], zenith: float, azimuth: float) -> np.ndarray:

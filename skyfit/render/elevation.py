@@ -121,7 +121,9 @@ def load_elevation(path: str | PathLike[str]) -> Elevation:
             for needed in ("elevation", "dx", "dy"):
                 if needed not in data.files:
                     raise ValueError(f"{path}: {needed} is missing")
-            return Elevation(data["elevation"][::-1].astype(float), float(data["dy"]), float(data["dx"]))
+            return Elevation(
+                data["elevation"][::-1].astype(float), float(data["dy"]), float(data["dx"])
+            )
     if path.suffix in (".tif", ".tiff"):
         return _geotiff(path)
     raise ValueError(f"{path}: expected a name ending in .npz, .tif or .tiff")

@@ -28,8 +28,9 @@ def load_source(
     Args:
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
             .nc), "cornell" for the measured skies; None for the published model.
-        turbidity: Of the published model, of a fit or campaign or dataset that has several, and of
-            the air before the sun where the sky does not know it.
+        turbidity: Of the published model, of a fit or campaign or dataset that has several (or the
+            value of what else it sweeps), and of the air before the sun where the sky does not
+            know it.
         sun_zenith: Which sky of a dataset [rad].
         altitude: Of the eye, for simulated skies [m].
 
@@ -80,13 +81,15 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
         if len(values) > 1:
             there = ", ".join(f"{one:g}" for one in values)
             raise ValueError(f"{path}: expected one {swept}, such as one of {there}; got none")
-        value = next(iter(values))
+        value = float(next(iter(values)))
+    elif swept is None:
+        raise ValueError(f"{path}: sweeps nothing; got the value {value:g}")
     if campaign.geometry != "spherical":
         raise ValueError(f"{path}: pictures are spherical; got the geometry {campaign.geometry!r}")
-    name = f"{path.name}, simulated, {swept} {value:g}"
+    name = f"{path.name}, simulated" + ("" if swept is None else f", {swept} {value:g}")
     return SimulatedSource(
         campaign.build_atmosphere(value), name, campaign.orders, campaign.quality,
-        altitude or campaign.observer_altitude,
+        altitude or campaign.observer_altitude_at(value),
     )  # fmt: skip
 
 
