@@ -1,8 +1,8 @@
 """Hosek and Wilkie's sky against values of another implementation.
 
 `reference/hosek_wilkie_skies.csv` is from E. Bruneton's clear-sky-models (see the README
-there), turbidity 2.53; that code puts the spectrum of another sun in place of the tables' own, so that absolute
-values differ by a factor of the wavelength alone.
+there), turbidity 2.53; that code puts the spectrum of another sun in place of the tables' own, so
+that absolute values differ by a factor of the wavelength alone.
 """
 
 from pathlib import Path

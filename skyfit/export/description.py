@@ -6,6 +6,7 @@ of the functions in `BUILT_IN`, of `vector(x, y, z)`, of `where(condition, if_tr
 of functions described before.
 """
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 
-BUILT_IN = ("exp", "sqrt", "sin", "cos", "tan", "asin", "min", "max", "clamp")
+BUILT_IN = ("exp", "sqrt", "sin", "cos", "tan", "asin", "pow", "min", "max", "clamp")
 
 
 @dataclass(frozen=True)
@@ -68,12 +69,25 @@ class Description:
         swept: Name of the swept parameter, if there is one.
         numbers: The formula's coefficients as data.
         formula: For people.
+        policy: What it gives outside of where it was made, for people.
     """
 
     functions: tuple[Function, ...]
     swept: tuple[str, ...]
     numbers: dict[str, Any]
     formula: str
+    policy: str
+
+
+def needed(lines: list[Line], result: str) -> tuple[Line, ...]:
+    """The lines that a result depends on, in their order."""
+    kept: list[Line] = []
+    words = set(re.findall(r"\w+", result))
+    for line in reversed(lines):
+        if line.name in words:
+            kept.append(line)
+            words |= set(re.findall(r"\w+", line.expression))
+    return tuple(reversed(kept))
 
 
 def linear(slope: float, intercept: float, swept: tuple[str, ...]) -> str:

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting import SkyFit
+from ..fitting import FormulaFit, SkyFit
 from ..fitting.document import versions
+from ..models.formula import FormulaSky
 from ..models.perez import PerezSky
 from ..models.preetham import published_coefficients
 from .description import Description
@@ -27,28 +28,30 @@ def heading(description: Description, prefix: str, provenance: list[str]) -> lis
         "Directions are unit vectors with z up, from the eye; the sun's disc is not in the sky.",
         "Angles are in radians, luminances in cd/m^2.",
         "",
-        "A view below the horizon sees the brightness of the horizon. With the sun below the",
-        "horizon the zenith keeps its colour of sunset and dims by a decade for every 2.5 degrees.",
-        "Light is never negative, and nothing jumps.",
+        *description.policy.split("\n"),
     ]
 
 
-def provenance_of_fit(fit: SkyFit) -> list[str]:
+def provenance_of_fit(fit: SkyFit | FormulaFit) -> list[str]:
     """What a fit was made from, how well it follows that, and where it holds."""
     data, made_by = fit.provenance.get("data", {}), fit.provenance.get("versions", {})
     errors = ", ".join(f"{name} {100 * d.rms:.2g} %" for name, d in fit.diagnostics.items())
-    zenith = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.zenith_rms.items())
+    scales = fit.zenith_rms if isinstance(fit, SkyFit) else fit.scale_rms
+    zenith = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in scales.items())
+    positive = [] if isinstance(fit, SkyFit) or not fit.positivity else [fit.positivity]
     return [
         f"Fitted by skyfit {made_by.get('skyfit', 'of unknown version')}.",
         *(f"Skies: {line}" for line in _skies(data)),
-        f"RMS error of the fit, relative: {errors}; of the zenith's values: {zenith}.",
+        f"RMS error of the fit, relative: {errors}.",
+        f"RMS error of the {'zenith' if isinstance(fit, SkyFit) else 'scale'}, relative: {zenith}.",
+        *(_ascii(f"Over the valid range: {margin.sentence()}.") for margin in positive),
         *valid_range(fit.parameter_name, fit.parameter_range, fit.sun_zenith_range),
     ]
 
 
-def provenance_of_model(sky: PerezSky) -> list[str]:
+def provenance_of_model(sky: PerezSky | FormulaSky) -> list[str]:
     """The same for a model that was not fitted here."""
-    published = np.shape(sky.coefficients) == (3, 5, 2) and np.allclose(
+    published = isinstance(sky, PerezSky) and np.allclose(
         sky.coefficients, published_coefficients(), rtol=1e-6
     )
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
@@ -86,7 +89,12 @@ def _skies(data: dict[str, Any]) -> list[str]:
             f"constituent: {_kind(part, 'density')} density, {_kind(part, 'phase')} phase function"
             for part in first.get("constituents", [])
         ]
-    return [line.encode("ascii", "replace").decode() for line in lines]
+    return list(map(_ascii, lines))
+
+
+def _ascii(line: str) -> str:
+    """Some compilers of shaders refuse anything else, in comments too."""
+    return line.replace("°", " deg").encode("ascii", "replace").decode()
 
 
 def _kind(part: dict[str, Any], key: str) -> str:

@@ -1,6 +1,6 @@
 """The languages that sky formulas are written in."""
 
-from .description import VECTORS, Function
+from .description import BUILT_IN, VECTORS, Function
 from .dialect import AbstractDialect
 
 
@@ -98,10 +98,7 @@ class C(Glsl):
 class JavaScript(AbstractDialect):
     """A JavaScript module; vectors are arrays of three numbers."""
 
-    names = {name: f"Math.{name}" for name in ("exp", "sqrt", "sin", "cos", "tan", "asin")} | {
-        "min": "Math.min",
-        "max": "Math.max",
-    }
+    names = {name: f"Math.{name}" for name in BUILT_IN}  # noqa: RUF012
 
     def signature(self, function: Function) -> str:
         """The line that begins a function."""
@@ -128,8 +125,9 @@ class JavaScript(AbstractDialect):
 class Python(AbstractDialect):
     """A Python module that needs NumPy alone; arguments broadcast, vectors are on the last axis."""
 
-    names = {name: f"np.{name}" for name in ("exp", "sqrt", "sin", "cos", "tan")} | {
+    names = {name: f"np.{name}" for name in BUILT_IN} | {
         "asin": "np.arcsin",
+        "pow": "np.power",
         "min": "np.minimum",
         "max": "np.maximum",
     }

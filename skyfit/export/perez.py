@@ -5,14 +5,20 @@ import re
 
 import numpy as np
 
-from ..models.perez import CHANNELS, COEFFICIENTS, LEAST_COSINE, PerezSky
+from ..models.perez import CHANNELS, COEFFICIENTS, PerezSky
 from ..models.twilight import TWILIGHT_DECAY
 from .description import Description, Function, Line, exact, linear, number, polynomial
+from .distributions import PEREZ
 
 
 FORMULA = (
     "value = zenith value * F(theta, gamma) / F(0, theta_sun) for each of x, y, Y;\n"
     "F = (1 + A exp(B / cos theta)) (1 + C exp(D gamma) + E cos^2 gamma)"
+)
+POLICY = (
+    "A view below the horizon sees the brightness of the horizon. With the sun below the\n"
+    "horizon the zenith keeps its colour of sunset and dims by a decade for every 2.5 degrees.\n"
+    "Luminance is never negative, and nothing jumps."
 )
 
 
@@ -29,27 +35,13 @@ def describe_perez(sky: PerezSky) -> Description:
         for name, zenith in (("x", sky.zenith_x), ("y", sky.zenith_y))
     ]
     luminance = _zenith_luminance(sky, swept)
-    functions = (_PEREZ, *shapes, *chromaticities, luminance, _xyY_of_angles(sky, swept))
-    return Description(functions, swept, _numbers(sky), FORMULA)
-
-
-_PEREZ = Function(
-    "perez",
-    "F = (1 + A exp(B / cos theta)) (1 + C exp(D gamma) + E cos^2 gamma).\n"
-    "At the horizon and below it the first factor has its limit, 1.",
-    (*map(str.lower, COEFFICIENTS), "cos_view", "gamma"),
-    (
-        Line("cos_gamma", "cos(gamma)"),
-        Line("gradation", f"1 + a * exp(b / max(cos_view, {number(LEAST_COSINE)}))"),
-        Line("indicatrix", "1 + c * exp(d * gamma) + e * cos_gamma * cos_gamma"),
-    ),
-    "gradation * indicatrix",
-)
+    functions = (PEREZ, *shapes, *chromaticities, luminance, _xyY_of_angles(sky, swept))
+    return Description(functions, swept, _numbers(sky), FORMULA, POLICY)
 
 
 def _shape(channel: str, table: np.ndarray, swept: tuple[str, ...]) -> Function:
     lines = [
-        Line(letter.lower(), linear(slope, intercept, swept))
+        Line(letter, linear(slope, intercept, swept))
         for letter, (slope, intercept) in zip(COEFFICIENTS, table, strict=True)
     ]
     return Function(
@@ -57,7 +49,7 @@ def _shape(channel: str, table: np.ndarray, swept: tuple[str, ...]) -> Function:
         f"F of {channel}.",
         ("cos_view", "gamma", *swept),
         tuple(lines),
-        "perez(a, b, c, d, e, cos_view, gamma)",
+        "distribution(A, B, C, D, E, cos_view, gamma)",
     )
 
 

@@ -4,10 +4,12 @@ import json
 import math
 import re
 
-from ..fitting import SkyFit
+from ..fitting import FormulaFit, SkyFit
+from ..models.formula import FormulaSky
 from ..models.perez import PerezSky
 from .description import Description
 from .dialect import AbstractDialect
+from .formula import describe_formula
 from .frame import framed
 from .heading import heading, provenance_of_fit, provenance_of_model
 from .languages import C, Glsl, Hlsl, JavaScript, Python
@@ -25,7 +27,9 @@ FORMATS: dict[str, type[AbstractDialect] | None] = {
 SCHEMA = "skyfit/sky/1"
 
 
-def export_fit(fit: SkyFit | PerezSky, format: str, *, name: str = "sky") -> str:
+def export_fit(
+    fit: SkyFit | FormulaFit | PerezSky | FormulaSky, format: str, *, name: str = "sky"
+) -> str:
     """Write a sky formula as source code, readable and ready to paste into a renderer.
 
     The code has functions of the view's and the sun's directions (unit vectors, z up) and of the
@@ -53,8 +57,12 @@ def export_fit(fit: SkyFit | PerezSky, format: str, *, name: str = "sky") -> str
             f"underscores; got {name!r}"
         )
     sky = _sky(fit)
-    description = describe_perez(sky)
-    provenance = provenance_of_fit(fit) if isinstance(fit, SkyFit) else provenance_of_model(sky)
+    fitted = isinstance(fit, SkyFit | FormulaFit)
+    provenance = provenance_of_fit(fit) if fitted else provenance_of_model(sky)
+    description = describe_perez(sky) if isinstance(sky, PerezSky) else describe_formula(sky)
+    provenance = (
+        provenance_of_fit(fit) if isinstance(fit, SkyFit | FormulaFit) else provenance_of_model(sky)
+    )
     dialect = FORMATS[format]
     if dialect is None:
         return _json(sky, description, provenance)
@@ -63,15 +71,15 @@ def export_fit(fit: SkyFit | PerezSky, format: str, *, name: str = "sky") -> str
     return dialect(name, functions).file(top, functions)
 
 
-def _sky(fit: SkyFit | PerezSky) -> PerezSky:
-    if isinstance(fit, SkyFit):
+def _sky(fit: SkyFit | FormulaFit | PerezSky | FormulaSky) -> PerezSky | FormulaSky:
+    if isinstance(fit, SkyFit | FormulaFit):
         if fit.parameter_name and fit.parameter_range:
             return fit.sky(**{fit.parameter_name: fit.parameter_range[0]})
         return fit.sky()
     return fit
 
 
-def _json(sky: PerezSky, description: Description, provenance: list[str]) -> str:
+def _json(sky: PerezSky | FormulaSky, description: Description, provenance: list[str]) -> str:
     low, high = map(math.degrees, sky.sun_zenith_range)
     document = {
         "schema": SCHEMA,

@@ -20,7 +20,7 @@ from .._typing import as_float
 
 SUN_FUNCTIONS = ("zenith angle", "cosine", "cube root of elevation")
 # The cube root is infinitely steep at the horizon: lower suns are taken to be this high.
-_LEAST_ELEVATION = math.radians(0.1)
+LEAST_ELEVATION = math.radians(0.1)
 
 
 class AbstractBasis(eqx.Module):
@@ -178,7 +178,7 @@ def _of_sun(sun_zenith, function):
         return jnp.cos(sun_zenith)
     if function == "zenith angle":
         return sun_zenith
-    return jnp.maximum(math.pi / 2 - sun_zenith, _LEAST_ELEVATION) ** (1 / 3)
+    return jnp.maximum(math.pi / 2 - sun_zenith, LEAST_ELEVATION) ** (1 / 3)
 
 
 def _unit(value, ends):

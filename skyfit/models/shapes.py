@@ -20,8 +20,8 @@ from .perez import COEFFICIENTS, LEAST_COSINE, perez
 
 LINKS = ("identity", "-exp", "logistic")
 # The square root of cos θ is infinitely steep at the horizon: it is held below this cosine.
-_LEAST_ROOT = 1e-4
-_SOFT = 0.01  # added to cos θ by Hosek and Wilkie, so that the airmass ends at 100
+LEAST_ROOT = 1e-4
+SOFT = 0.01  # added to cos θ by Hosek and Wilkie, so that the airmass ends at 100
 
 
 class AbstractShape(eqx.Module):
@@ -180,7 +180,7 @@ class HosekWilkieShape(AbstractShape):
         a, b, c, d, e, f, g, h, i = coefficients
         gradation = 1 + a * jnp.exp(b * _airmass(cos_view))
         glow = d * jnp.exp(e * gamma) + f * cos_gamma**2 + g * _chi(h, cos_gamma)
-        return gradation * (c + glow + i * jnp.sqrt(jnp.maximum(cos_view, _LEAST_ROOT)))
+        return gradation * (c + glow + i * jnp.sqrt(jnp.maximum(cos_view, LEAST_ROOT)))
 
     def starts(self):
         """A glow around the sun, wide or narrow; nearly uniform."""
@@ -283,7 +283,7 @@ def _link(free, kind):
 
 
 def _airmass(cos_view):
-    return 1 / (jnp.maximum(cos_view, 0.0) + _SOFT)
+    return 1 / (jnp.maximum(cos_view, 0.0) + SOFT)
 
 
 def _chi(asymmetry, cos_gamma):
