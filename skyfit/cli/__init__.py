@@ -10,6 +10,7 @@ import click
 from .compare import compare
 from .export import export
 from .fit import fit
+from .ladder import ladder
 from .output import BUG, INTERRUPTED, MISTAKE, complain
 from .render import render
 from .reproduce import reproduce
@@ -52,7 +53,7 @@ def commands() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-for command in (simulate, fit, export, compare, reproduce, render):
+for command in (simulate, fit, ladder, export, compare, reproduce, render):
     commands.add_command(command)
 
 

@@ -9,18 +9,19 @@ from the one before.
 """
 
 import dataclasses
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from .._typing import as_float
 from ..models.basis import AbstractBasis, Nodes, Polynomial
 from ..models.formula import dims_at_night
 from ..models.shapes import AbstractShape
 from .choices import SCALE, Dependence
-from .diagnostics import Diagnostics
 from .document import plain, versions
+from .formula_errors import formula_diagnostics, spectrum_of
 from .formula_record import FormulaFit
 from .groups import FitSettings
 from .joint import JointFit, JointProblem, Penalty, fit_joint
@@ -31,7 +32,11 @@ from .skies import Skies
 # Per squared unit that a sky's free number is away from the prior's centre, in units of one
 # relative residual of 1 in every direction. The numbers of a series are larger and trade more.
 PRIOR, SERIES_PRIOR = 1e-6, 1e-8
-SMOOTHNESS = 1e-4  # of coefficients at nodes, against the same unit
+# Directions too close to the horizon for the formula to follow keep so much of their weight: they
+# bend the rest by a hundredth of what it is off, and light stays positive down to the horizon.
+HORIZON = 0.05
+SMOOTHNESS, SERIES_SMOOTHNESS = 1e-4, 1e-7  # of coefficients at nodes, in the same unit
+FINAL = 1e-5  # relative decrease of the objective that ends a fit
 _LADDER = ((0, 0), (1, 1), (2, 3))  # degrees on the way to those asked for
 
 
@@ -50,7 +55,9 @@ def fit_formula(
     dependence: Dependence,
     *,
     prior: float | None = None,
-    provenance: dict | None = None,
+    provenance: Mapping[Any, Any] | None = None,
+    use: Bool[np.ndarray, " sky"] | None = None,
+    start: FormulaFit | None = None,
 ) -> FormulaFit:
     """Fit a formula to skies.
 
@@ -61,15 +68,29 @@ def fit_formula(
         dependence: Of its coefficients.
         prior: Weight of the prior, see `PRIOR`; by default that of the distribution.
         provenance: Of the data.
+        use: Which skies to fit; all by default.
+        start: A fit of the same formula to begin from.
     """
     prior = (SERIES_PRIOR if shape.linear else PRIOR) if prior is None else prior
-    basis, scale_basis = dependence.basis(skies), SCALE.basis(skies)
+    fitted = skies if use is None else skies.subset(use)
+    basis, scale_basis = dependence.basis(fitted), SCALE.basis(fitted)
+    begin = {name: _numbers_in(start, name, basis) for name in skies.channels} if start else {}
     fits = [
-        fit_channel(skies, channel, settings, shape, basis, scale_basis, prior)
-        for channel in range(len(skies.channels))
+        fit_channel(
+            skies,
+            channel,
+            settings,
+            shape,
+            basis,
+            scale_basis,
+            prior,
+            use,
+            begin.get(name),
+        )
+        for channel, name in enumerate(skies.channels)
     ]
     named = dict(zip(skies.channels, fits, strict=True))
-    spreads = {name: _spread(fit.joint) for name, fit in named.items()}
+    spectra = {name: spectrum_of(fit.joint) for name, fit in named.items()}
     dimmed = np.broadcast_to(dims_at_night(skies.kind), len(fits))
     fit = FormulaFit(
         shape=shape,
@@ -79,8 +100,8 @@ def fit_formula(
         wavelengths=skies.wavelengths,
         coefficients={name: fit.joint.numbers for name, fit in named.items()},
         standard_errors={
-            name: np.sqrt(np.diag(spread)).reshape(basis.num_terms, -1).T
-            for name, spread in spreads.items()
+            name: spectrum.errors().reshape(basis.num_terms, -1).T
+            for name, spectrum in spectra.items()
         },
         scale={name: fit.scale for name, fit in named.items()},
         scale_rms={name: fit.scale_rms for name, fit in named.items()},
@@ -92,7 +113,7 @@ def fit_formula(
         parameter_range=skies.parameter_range if skies.parameter_name else None,
         sun_zenith_range=skies.sun_zenith_range,
         diagnostics={
-            name: _diagnostics(fit.joint, spreads[name], shape, basis)
+            name: formula_diagnostics(fit.joint, spectra[name], shape, basis)
             for name, fit in named.items()
         },
         positivity=None,
@@ -105,9 +126,22 @@ def fit_formula(
             "max_view_zenith": settings.max_view_zenith,
             "prior": prior,
         },
-        provenance={"data": plain(provenance or {}), "versions": versions()},
+        provenance={"data": plain(dict(provenance or {})), "versions": versions()},
     )
     return dataclasses.replace(fit, positivity=positivity(fit))
+
+
+def _numbers_in(fit: FormulaFit, channel: str, basis: AbstractBasis):
+    """Numbers of a fit in another basis of the same kind: fewer nodes, or a lower degree."""
+    numbers = fit.coefficients[channel]
+    if isinstance(basis, Nodes):
+        there = fit.basis.terms(basis.parameter[:, None], basis.sun_zenith[None, :])
+        return numbers @ np.asarray(there, float).reshape(fit.basis.num_terms, -1)
+    assert isinstance(basis, Polynomial)
+    assert isinstance(fit.basis, Polynomial)
+    table = numbers.reshape(len(numbers), fit.basis.parameter_degree + 1, -1)
+    table = table[:, : basis.parameter_degree + 1, : basis.sun_degree + 1]
+    return table.reshape(len(numbers), -1)
 
 
 def fit_channel(
@@ -118,17 +152,21 @@ def fit_channel(
     basis: AbstractBasis,
     scale_basis: AbstractBasis,
     prior: float,
+    use: Bool[np.ndarray, " sky"] | None = None,
     start: Float[np.ndarray, "coefficient term"] | None = None,
 ) -> ChannelFit:
-    """Fit one channel; `start` takes the place of the way from simple to rich."""
+    """Fit one channel to the skies in use; `start` replaces the way from simple to rich."""
+    use = np.ones(skies.parameter.size, bool) if use is None else use
     values = skies.values[channel]
     weight = skies.weights(settings.weights, settings.max_view_zenith)
+    weight = np.where(weight > 0, weight, HORIZON * (skies.view_zenith <= np.pi / 2 + 1e-6))
+    weight = weight * use[:, None]
     square = weight**2
     along = _terms(scale_basis, skies)
     scale, factor = np.zeros(scale_basis.num_terms), np.ones(len(values))
-    mean = (square * values).sum(1) / square.sum(1)
+    mean = (square * values).sum(1) / np.where(use, square.sum(1), 1.0)
     if not shape.relative:
-        scale = _fit_scale(along, mean)
+        scale = _fit_scale(along[use], mean[use])
         factor = np.exp(along @ scale)
     if settings.residuals == "absolute":
         weight = weight * values / np.sqrt((square * values**2).sum() / square.sum())
@@ -140,32 +178,34 @@ def fit_channel(
         target=as_float(values / factor[:, None]),
         weight=as_float(weight),
     )
-    unit = float(square.sum(1).mean())
-    joint = _lead(problem, skies, basis, prior * unit, unit, start)
+    unit = float(square[use].sum(1).mean())
+
+    def terms(basis):
+        return _terms(basis, skies) * use[:, None]
+
+    joint = _lead(problem, skies, terms, basis, prior * unit, unit, start)
     if shape.relative:
         mean = joint.scale
-        scale = _fit_scale(along, mean)
-    rms = float(np.sqrt(np.mean((np.log(mean) - along @ scale) ** 2)))
+        scale = _fit_scale(along[use], mean[use])
+    rms = float(np.sqrt(np.mean((np.log(mean[use]) - along[use] @ scale) ** 2)))
     return ChannelFit(joint, scale, rms)
 
 
-def _lead(problem, skies, basis, prior, unit, start) -> JointFit:
+def _lead(problem, skies, terms, basis, prior, unit, start) -> JointFit:
     """From simple to rich."""
     shape = problem.shape
     starts = np.array(shape.starts())
     centre = np.zeros(len(shape.names)) if shape.linear else starts[0]
 
-    def solve(basis, numbers):
-        smooth = unit * SMOOTHNESS if isinstance(basis, Nodes) and not shape.linear else 0.0
-        if isinstance(basis, Nodes) and shape.linear:
-            smooth = unit * SMOOTHNESS * 1e-3
-        penalty = Penalty(prior, centre, smooth, basis.roughness())
-        return fit_joint(problem, _terms(basis, skies), numbers, penalty)
+    def solve(basis, numbers, rtol=1e-3):
+        smoothness = unit * (SERIES_SMOOTHNESS if shape.linear else SMOOTHNESS)
+        penalty = Penalty(prior, centre, smoothness, basis.roughness())
+        return fit_joint(problem, terms(basis), numbers, penalty, rtol=rtol)
 
+    if shape.linear and start is None:
+        start = np.zeros((len(centre), basis.num_terms))
     if start is not None:
-        return solve(basis, start)
-    if shape.linear:
-        return solve(basis, np.zeros((len(centre), basis.num_terms)))
+        return solve(basis, start, FINAL)
     if isinstance(basis, Polynomial):
         top = basis.parameter_degree, basis.sun_degree
         function = basis.sun_function
@@ -177,12 +217,13 @@ def _lead(problem, skies, basis, prior, unit, start) -> JointFit:
     first = min((solve(steps[0], row[:, None]) for row in starts), key=lambda fit: fit.objective)
     fits, previous = first, steps[0]
     for step in steps[1:]:
-        fits = solve(step, _raise_degree(fits.numbers, previous, step))
+        precision = FINAL if step is steps[-1] and isinstance(basis, Polynomial) else 1e-3
+        fits = solve(step, _raise_degree(fits.numbers, previous, step), precision)
         previous = step
     if isinstance(basis, Nodes):
         at = basis.parameter[:, None], basis.sun_zenith[None, :]
         there = np.asarray(previous.terms(*at), float).reshape(previous.num_terms, -1)
-        return solve(basis, fits.numbers @ there)
+        return solve(basis, fits.numbers @ there, FINAL)
     return fits
 
 
@@ -211,41 +252,3 @@ def _dimming(scale, basis: AbstractBasis, skies: Skies) -> float:
     middle = as_float(np.full(2, np.mean(skies.parameter_range)))
     before, after = np.asarray(basis.terms(middle, suns), float).T @ scale
     return float(max(before - after, 0.0) / np.radians(1.0))
-
-
-def _spread(joint: JointFit) -> Float[np.ndarray, "number number"]:
-    """Covariance of the numbers, terms first, as if residuals were independent."""
-    seen = np.count_nonzero(joint.residual)
-    variance = (joint.residual**2).sum() / max(seen - joint.numbers.size, 1)
-    size = np.sqrt(np.maximum(np.diag(joint.normal), 1e-300))
-    inverse = np.linalg.pinv(joint.normal / size / size[:, None], hermitian=True)
-    return variance * inverse / size / size[:, None]
-
-
-def _diagnostics(joint, spread, shape, basis) -> Diagnostics:
-    seen = np.count_nonzero(joint.residual)
-    size = np.sqrt(np.maximum(np.diag(joint.normal), 1e-300))
-    return Diagnostics(
-        rms=float(np.sqrt((joint.residual**2).sum() / max(seen, 1))),
-        worst=float(np.abs(joint.residual).max()),
-        condition=float(np.sqrt(np.linalg.cond(joint.normal / size / size[:, None]))),
-        unidentified=_loose(spread, shape, basis),
-        converged=joint.converged,
-        steps=joint.steps,
-    )
-
-
-def _loose(spread, shape: AbstractShape, basis: AbstractBasis) -> tuple[str, ...]:
-    """Combinations of numbers known no better than by a unit, strongest first, at most eight."""
-    variance, vectors = np.linalg.eigh(spread)
-    found = []
-    for value, vector in zip(variance[::-1], vectors.T[::-1], strict=True):
-        if value <= 1 or len(found) == 8:
-            break
-        share = (vector**2).reshape(basis.num_terms, -1).sum(0)
-        first, second = np.argsort(share)[::-1][:2]
-        names = shape.names[first]
-        if share[second] > 0.1:
-            names += f" with {shape.names[second]}"
-        found.append(f"{names} (±{np.sqrt(value):.2g})")
-    return tuple(dict.fromkeys(found))

@@ -81,7 +81,9 @@ def sky_residual(
     ratio = value / problem.target
     if problem.shape.relative:
         square = problem.weight**2
-        scale = (square * ratio).sum() / (square * ratio**2).sum()
+        total = (square * ratio**2).sum()
+        # Skies that are left out have no weight at all.
+        scale = (square * ratio).sum() / jnp.where(total > 0, total, 1.0)
     return problem.weight * (scale * ratio - 1), scale
 
 
@@ -161,8 +163,9 @@ def fit_joint(
 
 
 def _solve(matrix, vector):
+    from scipy.linalg import cho_factor, cho_solve
+
     try:
-        factor = np.linalg.cholesky(matrix)
+        return cho_solve(cho_factor(matrix), vector)
     except np.linalg.LinAlgError:
         return np.linalg.lstsq(matrix, vector, rcond=1e-14)[0]
-    return np.linalg.solve(factor.T, np.linalg.solve(factor, vector))

@@ -1,5 +1,6 @@
 """What a fit reads from a sky dataset: values of each channel, sky by sky."""
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .._typing import as_float
 from ..angles import view_sun_angle
@@ -75,6 +76,19 @@ class Skies:
     def sun_zenith_range(self) -> tuple[float, float]:
         """Highest and lowest sun [rad]."""
         return float(self.sun_zenith.min()), float(self.sun_zenith.max())
+
+    def subset(self, chosen: Bool[np.ndarray, " sky"]) -> "Skies":
+        """Some of the skies, in a row."""
+        return dataclasses.replace(
+            self,
+            parameter=self.parameter[chosen],
+            sun_zenith=self.sun_zenith[chosen],
+            view_zenith=self.view_zenith[chosen],
+            relative_azimuth=self.relative_azimuth[chosen],
+            values=self.values[:, chosen],
+            zenith=None if self.zenith is None else self.zenith[:, chosen],
+            shape=(int(chosen.sum()),),
+        )
 
     def weights(self, kind: str, max_view_zenith: float) -> Float[np.ndarray, "sky direction"]:
         """Weight of each residual, 0 beyond a view zenith angle [rad].

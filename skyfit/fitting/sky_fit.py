@@ -1,7 +1,8 @@
 """From a sky dataset to a sky model: `fit_sky`."""
 
 import dataclasses
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -96,7 +97,11 @@ def fit_sky(
             raise ValueError("fit_sky(starts=...): only the default formula takes starts")
         skies = read_channels(data, channels)
         return fit_formula(skies, settings, shape, choice, prior=prior, provenance=data.attrs)
-    skies = read_skies(data)
+    return fit_published(read_skies(data), settings, data.attrs)
+
+
+def fit_published(skies: Skies, settings: FitSettings, provenance: Mapping[Any, Any]) -> SkyFit:
+    """Fit the published form; `provenance` is that of the data."""
     joint = fit_groups(skies, settings, "all")
     lines, errors, diagnostics = _read_joint(joint, skies)
     zenith = _zenith(skies, joint)
@@ -116,7 +121,7 @@ def fit_sky(
             "dependence": type(joint.dependence).__name__,
             **plain(dataclasses.asdict(settings)),
         },
-        provenance={"data": plain(dict(data.attrs)), "versions": versions()},
+        provenance={"data": plain(dict(provenance)), "versions": versions()},
     )
     return dataclasses.replace(fit, positivity=positivity(fit))
 
