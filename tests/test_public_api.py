@@ -32,6 +32,8 @@ PUBLIC = {
     "colour_claim",
     "compare_skies",
     "cornell_skies",
+    "day_course",
+    "day_sky",
     "export_fit",
     "fit_sky",
     "load_atmosphere",

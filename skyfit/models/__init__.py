@@ -12,5 +12,11 @@ from .cie import (
     cie_intermediate_sky as cie_intermediate_sky,
     cie_overcast_sky as cie_overcast_sky,
 )
+from .day import (
+    DayCourse as DayCourse,
+    DaySky as DaySky,
+    day_course as day_course,
+    day_sky as day_sky,
+)
 from .perez import PerezSky as PerezSky
 from .preetham import preetham_sky as preetham_sky
