@@ -25,13 +25,21 @@ def as_float(value: ArrayLike) -> Float[Array, "..."]:
     dtype = getattr(value, "dtype", None)
     # A weakly typed value (a Python float seen through jit) must not fix the width either.
     if dtype is not None and jnp.issubdtype(dtype, jnp.floating) and np.ndim(value) > 0:
-        return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(dtype))
-    return jnp.asarray(value, dtype=jnp.result_type(float))
+        return _convert(value, jax.dtypes.canonicalize_dtype(dtype))
+    return _convert(value, jnp.result_type(float))
 
 
 def as_parameter(value: ArrayLike) -> Float[Array, "..."]:
     """Convert to JAX's default float whatever the width: what describes an atmosphere has one."""
-    return jnp.asarray(value, dtype=jnp.result_type(float))
+    return _convert(value, jnp.result_type(float))
+
+
+def _convert(value: ArrayLike, dtype: Any) -> Float[Array, "..."]:
+    if is_traced(value):
+        return jnp.asarray(value, dtype=dtype)
+    # What is known stays known inside a caller's `jit`, where a conversion would be traced.
+    with jax.ensure_compile_time_eval():
+        return jnp.asarray(value, dtype=dtype)
 
 
 def as_scalar(value: ArrayLike, name: str) -> Scalar:

@@ -16,7 +16,7 @@ from .geometry import Flat, Ray
 from .medium import Medium
 from .paths import Leg, column_along, ground_leg, limb_legs, rising_leg
 from .quadrature import safe_sqrt
-from .quality import Quality
+from .quality import Directions
 
 
 class Fan(eqx.Module):
@@ -57,12 +57,12 @@ def make_fan(
     medium: Medium,
     altitude: Scalar,
     mu: Float[Array, " ray"],
-    quality: Quality,
+    directions: Directions,
 ) -> Fan:
     """Cut the rays of a level; `mu` are their zenith cosines in the order rising, limb, falling."""
     farthest, _ = medium.sight()
-    up = quality.up
-    limb = 0 if isinstance(medium.planet, Flat) else quality.limb
+    up = directions.up
+    limb = 0 if isinstance(medium.planet, Flat) else directions.limb
 
     rising = jax.vmap(lambda m: rising_leg(medium.planet, altitude, m, farthest))(mu[:up])
     falling = jax.vmap(lambda m: ground_leg(medium.planet, altitude, m))(mu[up + limb :])

@@ -16,7 +16,7 @@ from .geometry import Flat, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
 from .quadrature import gauss, safe_sqrt
-from .quality import Quality
+from .quality import Directions, Quality
 from .single import along_leg, from_ground
 
 
@@ -57,10 +57,16 @@ class Field(eqx.Module):
     moments: Float[Array, "level m l sun wavelength"]
     irradiance: Float[Array, "sun wavelength"]
 
+    def up_to(self, degree: int) -> "Field":
+        """The same without the harmonics beyond a degree."""
+        return Field(self.moments[:, : degree + 1, : degree + 1], self.irradiance)
 
-def make_grid(medium: Medium, sun_zenith: Float[Array, " sun"], quality: Quality) -> Grid:
+
+def make_grid(
+    medium: Medium, sun_zenith: Float[Array, " sun"], levels: int, directions: Directions
+) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
-    x = np.linspace(0, 1, quality.levels)
+    x = np.linspace(0, 1, levels)
     share = np.expm1(_LEVEL_GROWTH * x) / np.expm1(_LEVEL_GROWTH)
     altitude = medium.planet.top * jnp.asarray(share, medium.planet.top.dtype)
     horizon = medium.planet.horizon(altitude)[:, None]
@@ -70,15 +76,15 @@ def make_grid(medium: Medium, sun_zenith: Float[Array, " sun"], quality: Quality
         nodes, weights = (jnp.asarray(a, altitude.dtype)[None, :] for a in gauss(count))
         return start + (end - start) * nodes, (end - start) * weights
 
-    panels = [panel(quality.up, 0 * horizon, 1.0 + 0 * horizon)]
+    panels = [panel(directions.up, 0 * horizon, 1.0 + 0 * horizon)]
     if not isinstance(medium.planet, Flat):
-        panels.append(panel(quality.limb, horizon, 0 * horizon))
+        panels.append(panel(directions.limb, horizon, 0 * horizon))
     # Just below the horizon the air in front of the ground thins out: nodes crowd there.
-    x, w = (jnp.asarray(a, altitude.dtype)[None, :] for a in gauss(quality.down))
+    x, w = (jnp.asarray(a, altitude.dtype)[None, :] for a in gauss(directions.down))
     depth = 1 + horizon
     panels.append((horizon - depth * x**2, depth * 2 * x * w))
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
-    azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
+    azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
     return Grid(altitude, sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
 
@@ -116,7 +122,7 @@ def first_field(
 
     def at_level(level):
         altitude, mu, weight = level
-        fan = make_fan(medium, altitude, mu, quality)
+        fan = make_fan(medium, altitude, mu, quality.first)
 
         def along(ray, leg, start, offset):
             def under(sun):
@@ -145,9 +151,10 @@ def first_field(
         for number, one in enumerate(medium.atmosphere.constituents):
             here = jnp.einsum("an,rnsw->rasw", spread, strength[..., number, :])
             light = light + one.phase.spectral(cos_gamma) * here
-        return project(grid, mu, weight, light, quality.degree)
+        return project(grid, mu, weight, light, quality.first.degree)
 
-    moments, irradiance = jax.lax.map(at_level, (grid.altitude, grid.mu, grid.weight))
+    levels = grid.altitude, grid.mu, grid.weight
+    moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
     return Field(moments, irradiance[0])
 
 
@@ -157,9 +164,10 @@ def _azimuth_rule(quality: Quality, flat: bool) -> tuple[np.ndarray, np.ndarray]
     Along a ray over a flat planet sunlight does not depend on azimuth; over a sphere only through
     the turning vertical, so that a polynomial in cos φ through a few nodes follows it.
     """
-    azimuth = np.pi * (np.arange(quality.azimuths) + 0.5) / quality.azimuths
+    azimuths = quality.first.azimuths
+    azimuth = np.pi * (np.arange(azimuths) + 0.5) / azimuths
     if flat:
-        return np.ones(1), np.ones((quality.azimuths, 1))
+        return np.ones(1), np.ones((azimuths, 1))
     count = quality.sun_azimuths
     nodes = np.cos(np.pi * np.arange(count) / (count - 1))
     powers = np.polynomial.chebyshev.chebvander(nodes, count - 1)

@@ -146,7 +146,7 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
 
     def at_level(level):
         altitude, mu, weight = level
-        fan = make_fan(medium, altitude, mu, quality)
+        fan = make_fan(medium, altitude, mu, quality.higher)
         falls = fan.to_ground.shape[0]
         others = fan.offset.shape[0] - falls
         to_ground = jnp.concatenate([jnp.zeros_like(fan.offset[:others]), fan.to_ground])
@@ -160,7 +160,8 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
-        return project(grid, mu, weight, light, quality.degree)
+        return project(grid, mu, weight, light, quality.higher.degree)
 
-    moments, irradiance = jax.lax.map(at_level, (grid.altitude, grid.mu, grid.weight))
+    levels = grid.altitude, grid.mu, grid.weight
+    moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
     return Field(moments, irradiance[0])

@@ -3,6 +3,24 @@
 from typing import NamedTuple
 
 
+class Directions(NamedTuple):
+    """Directions over which light is summed at a level of the field.
+
+    Attributes:
+        up: Zenith angles above the horizontal.
+        limb: Between the horizontal and the horizon.
+        down: Below the horizon.
+        azimuths: In half a turn.
+        degree: Highest degree of the spherical harmonics.
+    """
+
+    up: int
+    limb: int
+    down: int
+    azimuths: int
+    degree: int
+
+
 class Quality(NamedTuple):
     """How finely the simulator looks. All static: each set of sizes is one compiled program.
 
@@ -12,12 +30,9 @@ class Quality(NamedTuple):
         column_angles: The same, in the sun's zenith angle.
         levels: Altitudes at which the light field is kept for the higher orders.
         field_nodes: Light along a ray that ends at a level.
-        up: Directions above the horizontal, at a level.
-        limb: Directions between the horizontal and the horizon.
-        down: Directions below the horizon.
-        azimuths: Azimuths in half a turn.
-        sun_azimuths: Of these, as many at which the first order is integrated.
-        degree: Highest degree of the spherical harmonics.
+        first: Directions of the first order's field, as sharp as the phase functions.
+        higher: Directions of the later orders' fields: each scattering smooths them.
+        sun_azimuths: Azimuths at which the first order is integrated along a ray.
         sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree].
         orders: How many orders `orders=None` computes before the geometric tail.
     """
@@ -27,12 +42,9 @@ class Quality(NamedTuple):
     column_angles: int
     levels: int
     field_nodes: int
-    up: int
-    limb: int
-    down: int
-    azimuths: int
+    first: Directions
+    higher: Directions
     sun_azimuths: int
-    degree: int
     sun_offsets_deg: tuple[float, ...]
     orders: int
 
@@ -47,9 +59,40 @@ ALL_SUNS_DEG = (
 )
 
 QUALITIES = {
-    "draft": Quality(32, 64, 48, 10, 12, 10, 3, 4, 16, 3, 14, (-3.0, 0.0, 3.0), 5),
-    "default": Quality(48, 128, 64, 16, 16, 18, 4, 10, 28, 3, 26, (-3.0, 0.0, 3.0), 8),
+    "draft": Quality(
+        view_nodes=32,
+        column_altitudes=64,
+        column_angles=48,
+        levels=10,
+        field_nodes=12,
+        first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14),
+        higher=Directions(up=8, limb=2, down=4, azimuths=10, degree=8),
+        sun_azimuths=3,
+        sun_offsets_deg=(-3.0, 0.0, 3.0),
+        orders=5,
+    ),
+    "default": Quality(
+        view_nodes=48,
+        column_altitudes=128,
+        column_angles=64,
+        levels=16,
+        field_nodes=16,
+        first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26),
+        higher=Directions(up=10, limb=3, down=6, azimuths=20, degree=18),
+        sun_azimuths=3,
+        sun_offsets_deg=(-3.0, 0.0, 3.0),
+        orders=8,
+    ),
     "high": Quality(
-        64, 256, 128, 28, 24, 28, 6, 10, 48, 4, 44, (-8.0, -3.0, -1.0, 0.0, 1.0, 3.0, 8.0), 12
+        view_nodes=64,
+        column_altitudes=256,
+        column_angles=128,
+        levels=28,
+        field_nodes=24,
+        first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44),
+        higher=Directions(up=18, limb=4, down=10, azimuths=32, degree=30),
+        sun_azimuths=4,
+        sun_offsets_deg=(-8.0, -3.0, -1.0, 0.0, 1.0, 3.0, 8.0),
+        orders=12,
     ),
 }

@@ -94,6 +94,9 @@ def simulate(
         near = view < PAPER_FLAT_BELOW
         return jax.tree.map(lambda a, b: _choose(near, a, b), flat, spherical)
     views, shape = group(sun, view, azimuth, altitude)
+    # Inside a caller's `jit` known directions are constants, with which XLA would compute at length
+    # while compiling.
+    views = jax.lax.optimization_barrier(views)
     rising = _known(view, lambda v: v <= np.pi / 2 + 1e-6) and _known(altitude, lambda h: h == 0)
     day = rising and _known(sun, lambda s: s <= np.pi / 2)
     suns: Suns = "all"
@@ -132,7 +135,9 @@ def _simulate(
         first = _first(medium, columns, view, eyes, quality, kind, split)
         if count == 1:
             return first[None]
-        grid = make_grid(medium, _suns(view.sun, suns, flat, quality), quality)
+        nodes = _suns(view.sun, suns, flat, quality)
+        grid = make_grid(medium, nodes, quality.levels, quality.first)
+        higher = make_grid(medium, nodes, quality.levels, quality.higher)
         field = first_field(medium, columns, grid, quality)
 
         def look(field):
@@ -148,12 +153,12 @@ def _simulate(
             return jax.vmap(along)(*eyes)
 
         def step(field, _):
-            field = next_field(medium, grid, field, quality)
+            field = next_field(medium, higher, field, quality)
             return field, look(field)
 
         second = look(field)
-        _, higher = jax.lax.scan(step, field, length=count - 2)
-        return jnp.concatenate([first[None], second[None], higher])
+        _, later = jax.lax.scan(step, field.up_to(quality.higher.degree), length=count - 2)
+        return jnp.concatenate([first[None], second[None], later])
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
     return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
