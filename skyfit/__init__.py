@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         ward_larson_aerial as ward_larson_aerial,
     )
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
+    from .benchmark import run_benchmarks as run_benchmarks
     from .campaign import Campaign as Campaign
     from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
@@ -80,6 +81,7 @@ _NAMES = {
         "ward_larson_aerial",
     ),
     "atmosphere": ("Atmosphere", "Constituent"),
+    "benchmark": ("run_benchmarks",),
     "campaign": ("Campaign",),
     "campaign_file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),

@@ -49,6 +49,7 @@ PUBLIC = {
     "preetham_sky",
     "recovery_error",
     "reproduce",
+    "run_benchmarks",
     "run_campaign",
     "save_dataset",
     "shape_error",

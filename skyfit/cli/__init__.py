@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from .benchmarks import benchmarks
 from .compare import compare
 from .export import export
 from .fit import fit
@@ -53,7 +54,7 @@ def commands() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-for command in (simulate, fit, ladder, export, compare, reproduce, render):
+for command in (simulate, fit, ladder, export, compare, reproduce, render, benchmarks):
     commands.add_command(command)
 
 

@@ -42,6 +42,9 @@ def judge(record: dict[str, Any]) -> list[Claim]:
         _zenith_luminance(record["zenith_ratio"]),
         _zenith_colour(record["zenith_difference"]),
         _real_sky(record["cornell"]),
+        _higher_orders(record["simplifications"]),
+        _ground_light(record["simplifications"]),
+        _flat_earth(record["simplifications"]),
         _effort(record["seconds"], record["campaign"]),
     ]
 
@@ -148,6 +151,48 @@ def _real_sky(cornell: dict[str, Any]) -> Claim:
         "luminance over the measured and RMSE in mW m⁻² sr⁻¹ nm⁻¹: "
         + ", ".join(f"{name} {ratio[name]:.2f} and {error[name]:.0f}" for name in ratio),
     )
+
+
+def _higher_orders(found: dict[str, Any]) -> Claim:
+    low, high, where = _extremes(found, "higher_orders")
+    return Claim(
+        "higher_orders",
+        "Third and higher orders of scattering are insignificant",
+        _graded(high),
+        f"they are {percent(low)} to {percent(high)} of the luminance, {where}",
+    )
+
+
+def _ground_light(found: dict[str, Any]) -> Claim:
+    low, high, where = _extremes(found, "ground_light")
+    return Claim(
+        "ground_light",
+        "Light from the ground may be left out",
+        _graded(high),
+        f"an albedo of {found['ground_albedo']} adds {percent(low)} to {percent(high)} to the "
+        f"luminance of two orders, {where}",
+    )
+
+
+def _flat_earth(found: dict[str, Any]) -> Claim:
+    low, high, where = _extremes(found, "flat")
+    return Claim(
+        "flat_earth",
+        "Up to a view zenith of 70° the Earth may be taken as flat",
+        _graded(high),
+        f"largest error of the luminance {percent(low)} to {percent(high)}, {where}",
+    )
+
+
+def _extremes(found: dict[str, Any], name: str) -> tuple[float, float, str]:
+    """Least and most of a table [turbidity][sun], and where the most is."""
+    table = np.asarray(found[name])
+    row, column = np.unravel_index(table.argmax(), table.shape)
+    where = (
+        f"most at turbidity {found['turbidity'][row]:g} with the sun "
+        f"{found['sun_zenith_deg'][column]:g}° from the zenith"
+    )
+    return float(table.min()), float(table.max()), where
 
 
 def _effort(seconds: dict[str, float], campaign: dict[str, Any]) -> Claim:

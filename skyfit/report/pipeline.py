@@ -23,6 +23,7 @@ from .page import write_page
 from .pictures import draw_pictures
 from .reality import TURBIDITY, compare_with_cornell, simulate_cornell
 from .sentences import notes
+from .simplifications import simplifications
 from .skies import modelled
 from .tristimulus import tristimulus_comparison
 
@@ -79,6 +80,10 @@ def reproduce(
         models = {"published": preetham_sky(TURBIDITY), "refit": _nearest(fit, TURBIDITY)}
         reality = compare_with_cornell(models, simulate_cornell(plan, workers))
         tell("measured skies", 1, 1)
+    with clock.stage("simplifications"):
+        tell("simplifications", 0, 1)
+        shortcuts = simplifications(plan)
+        tell("simplifications", 1, 1)
     with clock.stage("report"):
         save_dataset(dataset, directory / "sky.nc", overwrite=True)
         fit.save(directory / "fit.json")
@@ -101,6 +106,7 @@ def reproduce(
             "published_within_two_errors": within_errors(coefficient_table(fit)),
             **_zenith_differences(dataset),
             "cornell": reality.record(),
+            "simplifications": shortcuts,
             "fit": _fit_record(fit),
             "campaign": plan.to_dict(),
             "versions": versions(),
