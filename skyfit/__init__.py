@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from . import (
         angles as angles,
         phase as phase,
+        plots as plots,
         profile as profile,
         render as render,
         turbidity as turbidity,
@@ -72,7 +73,7 @@ if TYPE_CHECKING:
     )
     from .transfer.simulate_sky import simulate as simulate
 
-_MODULES = ("angles", "phase", "profile", "render", "turbidity")
+_MODULES = ("angles", "phase", "plots", "profile", "render", "turbidity")
 _NAMES = {
     "aerial": (
         "AerialPerspective",

@@ -18,6 +18,7 @@ ORDER = [
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
     "aerial",                                                 # light on its way to the eye
     "render", "export", "compare", "report", "benchmark",     # what is made of them
+    "render", "plots", "export", "compare", "report",         # what is made of them
     "__init__", "cli",
 ]  # fmt: skip
 ROOT = Path(skyfit.__file__).parent

@@ -8,11 +8,12 @@ import pytest
 
 import skyfit
 from skyfit.campaign import half_dome
+from skyfit.plots.skies import fisheye_directions
+from skyfit.render.half_dome import grid_axes, on_dome
 from skyfit.report.claims import judge
 from skyfit.report.clock import Clock
 from skyfit.report.directory import claim_directory
 from skyfit.report.reality import compare_with_cornell
-from skyfit.report.skies import fisheye_directions, grid_axes, on_dome
 
 
 VIEW, AZIMUTH = half_dome(np.radians(np.arange(15, 91, 15.0)), np.radians(np.arange(0, 181, 30.0)))

@@ -2,7 +2,6 @@
 
 - `pipeline`: the public verb, `reproduce`;
 - `coefficients`, `reality`, `claims`: what is compared, in numbers;
-- `skies`: simulated skies between their directions, and models beside them;
-- `style`, `charts`, `domes`: pictures;
+- `pictures`, `reality_chart`: which pictures there are; most are drawn by `skyfit.plots`;
 - `page`: report.html.
 """

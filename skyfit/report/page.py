@@ -8,7 +8,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from . import style
+from ..plots import style
 
 
 CHANNELS = ("Y", "x", "y")

@@ -8,13 +8,14 @@ import xarray as xr
 
 from ..fitting import SkyFit
 from ..models import preetham_sky
-from . import style
-from .charts import chromaticity_sections, luminance_sections, zenith_chart
-from .coefficients import coefficient_chart
-from .domes import dome_gallery, error_maps
+from ..plots import style
+from ..plots.charts import chromaticity_sections, luminance_sections, zenith_chart
+from ..plots.coefficients import coefficient_chart
+from ..plots.domes import dome_gallery, error_maps
+from ..plots.skies import Source, modelled, simulated
+from ..render.half_dome import grid_axes
 from .reality import Reality
 from .reality_chart import reality_chart
-from .skies import Source, grid_axes, modelled, simulated
 
 
 ERROR_SCALE = 3.0  # end of the colour scale of error maps: three times too bright

@@ -13,8 +13,9 @@ from ..campaign import Campaign
 from ..dataset import save_dataset, versions
 from ..fitting import SkyFit, fit_sky, recovery_error, shape_error
 from ..models import preetham_sky
+from ..plots import style
+from ..plots.skies import modelled
 from ..runner import run_campaign
-from . import style
 from .claims import judge
 from .clock import Clock
 from .coefficients import coefficient_table, within_errors, zenith_record
@@ -24,7 +25,6 @@ from .pictures import draw_pictures
 from .reality import TURBIDITY, compare_with_cornell, simulate_cornell
 from .sentences import notes
 from .simplifications import simplifications
-from .skies import modelled
 from .tristimulus import tristimulus_comparison
 
 

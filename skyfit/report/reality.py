@@ -10,8 +10,8 @@ from ..campaign import Campaign
 from ..colour import luminance
 from ..measurements import cornell_skies
 from ..models import AbstractSkyModel
+from ..render.half_dome import grid_axes, on_dome
 from ..runner import run_campaign
-from .skies import grid_axes, on_dome
 
 
 TURBIDITY = 2.53  # of that day, as published comparisons on these skies take it

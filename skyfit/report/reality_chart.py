@@ -8,8 +8,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure, SubFigure
 
 from ..colour import luminance
-from . import style
-from .charts import LINES
+from ..plots import style
+from ..plots.charts import LINES
 from .reality import COMPARED, WAVELENGTHS, Reality
 
 

@@ -18,6 +18,9 @@ SIMULATED = {"color": "#000000", "linestyle": "none", "marker": "o", "markersize
 REFIT = {"color": "#0072B2", "linestyle": "-"}
 PUBLISHED = {"color": "#D55E00", "linestyle": "--"}
 MEASURED = {"color": "#009E73", "linestyle": "-.", "marker": "s", "markersize": 3.5}
+# More lines than those, in an order that keeps neighbours apart.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+_DASHES = ("-", "--", "-.", ":")
 LUMINANCE_MAP = "viridis"
 ERROR_MAP = "RdBu_r"
 
@@ -34,6 +37,11 @@ _SETTINGS: dict[Any, Any] = {
     "savefig.dpi": 130,
     "image.interpolation": "nearest",
 }
+
+
+def cycle(number: int) -> dict[str, str]:
+    """Colour and line style of the n-th line of a chart."""
+    return {"color": _COLOURS[number % 7], "linestyle": _DASHES[number % 4]}
 
 
 def house_style() -> AbstractContextManager[None]:

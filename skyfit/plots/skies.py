@@ -6,14 +6,37 @@ axis; the three kinds compared are the simulation, the refit and the published m
 
 from collections.abc import Callable
 
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from ..angles import unit_vector
+from ..colour import xyz_to_xyY
 from ..models import AbstractSkyModel
 from ..render.half_dome import grid_axes, on_dome
+from ..render.sources import AbstractSource
 
 
 Source = Callable[[float | np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+
+def colours_of(sky: AbstractSkyModel | AbstractSource | Source) -> Source:
+    """Any sky as a source: a model, a source of pictures, or a source as it is."""
+    if isinstance(sky, AbstractSkyModel):
+        return modelled(sky)
+    if not isinstance(sky, AbstractSource):
+        return sky
+
+    def source(
+        sun_zenith: float | np.ndarray, view_zenith: np.ndarray, relative_azimuth: np.ndarray
+    ) -> np.ndarray:
+        # Its azimuths are the compass's; with the sun in the north they are those from the sun.
+        vector = np.asarray(unit_vector(jnp.asarray(view_zenith), jnp.asarray(relative_azimuth)))
+        turned = np.stack([vector[..., 1], vector[..., 0], vector[..., 2]], axis=-1)
+        light = sky.xyz(turned.reshape(-1, 3), float(np.max(sun_zenith)), 0.0)
+        return np.asarray(xyz_to_xyY(light)).reshape(*turned.shape[:-1], 3)
+
+    return source
 
 
 def simulated(dataset: xr.Dataset, turbidity: float) -> Source:

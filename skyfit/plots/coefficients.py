@@ -1,0 +1,67 @@
+"""Fitted coefficients over turbidity, with their errors."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..fitting import SkyFit
+from ..models.perez import CHANNELS as MODEL_CHANNELS, COEFFICIENTS
+from ..models.preetham import published_coefficients
+from . import style
+
+
+CHANNELS = ("Y", "x", "y")
+
+
+def coefficient_chart(fit: SkyFit) -> Figure:
+    """Coefficients over the swept parameter: refit with its errors, two-stage fit, published.
+
+    Args:
+        fit: The published lines are drawn if it was swept over turbidity.
+
+    Raises:
+        ValueError: Nothing was swept.
+    """
+    if fit.parameter_name is None:
+        raise ValueError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
+    figure = style.new_figure(11.0, 5.4)
+    panels = figure.subplots(len(CHANNELS), len(COEFFICIENTS), sharex=True)
+    low, high = fit.parameter_range or (0.0, 1.0)
+    turbidity = np.linspace(low, high, 41)
+    published = published_coefficients()
+    for row, channel in enumerate(CHANNELS):
+        for column, letter in enumerate(COEFFICIENTS):
+            panel = panels[row, column]
+            line = np.polyval(fit.coefficients[channel][column], turbidity)
+            spread = 2 * _spread(fit.standard_errors[channel][column], low, high, turbidity)
+            panel.fill_between(
+                turbidity, line - spread, line + spread, color=style.REFIT["color"],
+                alpha=0.2, linewidth=0, label="± 2 standard errors",
+            )  # fmt: skip
+            panel.plot(turbidity, line, label="refit, all at once", **style.REFIT)
+            if fit.parameter_name == "turbidity":
+                numbers = published[MODEL_CHANNELS.index(channel), column]
+                panel.plot(
+                    turbidity, np.polyval(numbers, turbidity), label="published", **style.PUBLISHED
+                )
+            if fit.two_stage is not None:
+                stage = fit.two_stage[channel]
+                panel.plot(
+                    stage.values, stage.coefficients[:, column], label="refit, each turbidity",
+                    **style.SIMULATED,
+                )  # fmt: skip
+            if row == 0:
+                panel.set_title(letter)
+            if column == 0:
+                panel.set_ylabel(f"coefficient, {channel}")
+            if row == len(CHANNELS) - 1:
+                panel.set_xlabel(fit.parameter_name.replace("_", " "))
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+def _spread(errors: np.ndarray, low: float, high: float, at: np.ndarray) -> np.ndarray:
+    """Standard error of a line from those of slope and intercept, its ends being independent."""
+    slope, intercept = errors**2 * (high - low) ** 2
+    at_low = np.clip((intercept - slope * low**2) / (high**2 - low**2), 0, slope)
+    share = (at - low) / (high - low)
+    return np.sqrt((1 - share) ** 2 * at_low + share**2 * (slope - at_low))

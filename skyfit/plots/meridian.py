@@ -1,0 +1,48 @@
+"""Skies cut through the sun and the zenith."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from . import style
+from .charts import LINES
+from .dome_maps import Sky
+from .skies import colours_of
+
+
+def meridian_section(skies: Mapping[str, Sky], sun_zenith: float) -> Figure:
+    """Luminance and chromaticity from one horizon to the other, through the sun.
+
+    Args:
+        skies: By name, which the legend shows; "simulated", "refit", "published" and "measured"
+            have the look of the report.
+        sun_zenith: [rad].
+    """
+    signed = np.linspace(-np.pi / 2, np.pi / 2, 241)
+    with style.house_style():
+        figure = style.new_figure(6.4, 5.6)
+        panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.6, 1, 1])
+        for number, (name, sky) in enumerate(skies.items()):
+            colours = colours_of(sky)(sun_zenith, np.abs(signed), np.where(signed < 0, np.pi, 0.0))
+            look = {**style.cycle(number), **LINES.get(name, {})}
+            look = {**look, "linestyle": "-"} if look["linestyle"] == "none" else look
+            look = {key: look[key] for key in ("color", "linestyle")}
+            for panel, channel, scale in zip(panels, (2, 0, 1), (1e3, 1, 1), strict=True):
+                panel.plot(np.degrees(signed), colours[:, channel] / scale, label=name, **look)
+        panels[0].set_yscale("log")
+        style.plain_log(panels[0].yaxis)
+        for panel, label in zip(
+            panels, ("luminance [kcd m$^{-2}$]", "chromaticity x [1]", "chromaticity y [1]"),
+            strict=True,
+        ):  # fmt: skip
+            panel.axvline(np.degrees(sun_zenith), color="0.6", linewidth=0.8, zorder=0)
+            panel.set_ylabel(label)
+        panels[0].annotate(
+            "sun", (np.degrees(sun_zenith), 1.0), xycoords=("data", "axes fraction"),
+            ha="center", va="bottom", color="0.4",
+        )  # fmt: skip
+        panels[2].set_xlabel("view zenith angle [°], sun side positive")
+        panels[2].set_xticks(np.arange(-90, 91, 30))
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
