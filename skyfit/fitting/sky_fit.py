@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import equinox as eqx
 import jax
@@ -39,6 +39,33 @@ from .zenith import ZenithFit, fit_zenith_chromaticity, fit_zenith_luminance
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+@overload
+def fit_sky(
+    data: "xr.Dataset",
+    *,
+    weights: Weights = ...,
+    residuals: Residuals = ...,
+    max_view_zenith: float = ...,
+    prior: float | None = ...,
+    starts: Starts | None = ...,
+) -> SkyFit: ...
+
+
+@overload
+def fit_sky(
+    data: "xr.Dataset",
+    *,
+    distribution: str | AbstractShape = ...,
+    dependence: str | Dependence = ...,
+    channels: Channels = ...,
+    weights: Weights = ...,
+    residuals: Residuals = ...,
+    max_view_zenith: float = ...,
+    prior: float | None = ...,
+    starts: Starts | None = ...,
+) -> SkyFit | FormulaFit: ...
 
 
 def fit_sky(
