@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         AerialPerspective as AerialPerspective,
         ConstantAmbient as ConstantAmbient,
         aerial_perspective as aerial_perspective,
+        hoffman_preetham_aerial as hoffman_preetham_aerial,
         ward_larson_aerial as ward_larson_aerial,
     )
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
         cie_overcast_sky as cie_overcast_sky,
         day_course as day_course,
         day_sky as day_sky,
+        hoffman_preetham_sky as hoffman_preetham_sky,
         overcast_blend_sky as overcast_blend_sky,
         perez_all_weather_sky as perez_all_weather_sky,
         perez_clear_sky as perez_clear_sky,
@@ -79,6 +81,7 @@ _NAMES = {
         "AerialPerspective",
         "ConstantAmbient",
         "aerial_perspective",
+        "hoffman_preetham_aerial",
         "ward_larson_aerial",
     ),
     "atmosphere": ("Atmosphere", "Constituent"),
@@ -109,6 +112,7 @@ _NAMES = {
         "cie_overcast_sky",
         "day_course",
         "day_sky",
+        "hoffman_preetham_sky",
         "overcast_blend_sky",
         "perez_all_weather_sky",
         "perez_clear_sky",

@@ -38,6 +38,8 @@ PUBLIC = {
     "fit_sky",
     "load_atmosphere",
     "ladder",
+    "hoffman_preetham_aerial",
+    "hoffman_preetham_sky",
     "load_campaign",
     "load_dataset",
     "load_fit",

@@ -6,3 +6,4 @@ from .perspective import (
     aerial_perspective as aerial_perspective,
 )
 from .sunset import Airlight as Airlight, Sunset as Sunset, sunset_airlight as sunset_airlight
+from .uniform import UniformAir as UniformAir, hoffman_preetham_aerial as hoffman_preetham_aerial

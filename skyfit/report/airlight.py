@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
@@ -13,6 +14,7 @@ from ..preetham_air import preetham_atmosphere
 
 TURBIDITY = 3.0
 _CONVERGED = 300  # nodes; agrees with dense panels to 1e-9 (tests/test_aerial_paths.py)
+_SCALE = LogNorm(1e-8, 1.0)
 _METHODS = {
     "quadrature (default)": integrals.by_quadrature,
     "equation 10": closed.near_level,
@@ -59,9 +61,9 @@ def path_error_chart() -> Figure:
         for axes, (name, error) in zip(
             panels.flat, path_errors(view, distance).items(), strict=True
         ):
-            shown = axes.pcolormesh(
+            axes.pcolormesh(
                 distance / 1e3, view, np.maximum(error, 1e-8), cmap=style.LUMINANCE_MAP,
-                norm=LogNorm(1e-8, 1.0), shading="nearest", rasterized=True,
+                norm=_SCALE, shading="nearest", rasterized=True,
             )  # fmt: skip
             worst = error.max()
             text = f"to {worst:.1g}" if worst < 10 else f"to 1e{np.log10(worst):.0f}"
@@ -72,7 +74,9 @@ def path_error_chart() -> Figure:
             axes.set_xlabel("distance [km]")
         for axes in panels[:, 0]:
             axes.set_ylabel("view zenith angle [°]")
-        bar = figure.colorbar(shown, ax=panels, extend="both", pad=0.02)
+        bar = figure.colorbar(
+            ScalarMappable(_SCALE, style.LUMINANCE_MAP), ax=panels, extend="both", pad=0.02
+        )
         bar.set_label("relative error of the light scattered in (550 nm, T = 3, eye at the ground)")
     return figure
 
