@@ -49,6 +49,17 @@ def test_the_sky_is_what_marching_through_both_shells_gives(model, view_degrees)
     np.testing.assert_allclose(sky, marched, rtol=1e-3)  # the shells' edge is within half a step
 
 
+@pytest.mark.parametrize("g", [-1.0, -3.0, -10.0, -30.0])
+def test_the_g_of_table_1_is_none_of_a_phase_function(g):
+    # With these g the mended function integrates to sign(1 - |g|) or vanishes, and is largest
+    # backwards; haze scatters forward.
+    mu, weight = np.polynomial.legendre.leggauss(400)
+    values = (1 - g**2) / (4 * np.pi * (1 + g**2 - 2 * g * mu) ** 1.5)
+    assert 2 * np.pi * weight @ values < 0.5
+    with pytest.raises(ValueError, match="must lie in"):
+        skyfit.hoffman_preetham_sky(haze="light haze", g=g)
+
+
 def test_the_air_is_as_printed():
     np.testing.assert_allclose(
         skyfit.hoffman_preetham_sky(1.0).air, [6.95e-6, 1.18e-5, 2.44e-5], rtol=0.005
