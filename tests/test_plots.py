@@ -65,7 +65,9 @@ def test_the_error_map_is_white_where_skies_agree(published):
 
 
 def test_a_section_goes_through_the_sun(published):
-    figure = plots.meridian_section({"published": published, "other": published}, SUN)
+    figure = plots.meridian_section(
+        {"published": published, "other": published, "third": published}, SUN
+    )
     line = figure.axes[0].lines[0]
     angle, values = line.get_xydata().T
     assert angle[[0, -1]].tolist() == [-90, 90]
@@ -73,6 +75,7 @@ def test_a_section_goes_through_the_sun(published):
     expected = published.xyY(SUN, math.radians(angle[at]), 0.0)[2] / 1e3
     assert values[at] == pytest.approx(float(expected))
     assert line.get_color() == style.PUBLISHED["color"]
+    assert len({one.get_color() for one in figure.axes[0].lines[:3]}) == 3
     for unit in ("[kcd m$^{-2}$]", "chromaticity x [1]", "[°]"):
         assert unit in words(figure)
 

@@ -23,11 +23,13 @@ def meridian_section(skies: Mapping[str, Sky], sun_zenith: float) -> Figure:
     with style.house_style():
         figure = style.new_figure(6.4, 5.6)
         panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.6, 1, 1])
-        for number, (name, sky) in enumerate(skies.items()):
+        taken = {LINES[name]["color"] for name in skies if name in LINES}
+        free = iter(style.cycle(k) for k in range(7) if style.cycle(k)["color"] not in taken)
+        for name, sky in skies.items():
             colours = colours_of(sky)(sun_zenith, np.abs(signed), np.where(signed < 0, np.pi, 0.0))
-            look = {**style.cycle(number), **LINES.get(name, {})}
-            look = {**look, "linestyle": "-"} if look["linestyle"] == "none" else look
-            look = {key: look[key] for key in ("color", "linestyle")}
+            look = LINES[name] if name in LINES else next(free, style.cycle(len(taken)))
+            dash = "-" if look["linestyle"] == "none" else look["linestyle"]
+            look = {"color": look["color"], "linestyle": dash}
             for panel, channel, scale in zip(panels, (2, 0, 1), (1e3, 1, 1), strict=True):
                 panel.plot(np.degrees(signed), colours[:, channel] / scale, label=name, **look)
         panels[0].set_yscale("log")

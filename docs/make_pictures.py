@@ -1,0 +1,196 @@
+"""Make the pictures of `pictures.md`: python docs/make_pictures.py [NAME ...]."""
+
+import sys
+from pathlib import Path
+
+import jax
+import numpy as np
+from matplotlib.figure import Figure
+
+import skyfit
+from skyfit import plots
+from skyfit.models import cie_clear_sky, cie_overcast_sky
+from skyfit.render import (
+    AbstractSource,
+    Fisheye,
+    ModelSource,
+    Panorama,
+    Perspective,
+    SimulatedSource,
+    air_before,
+    horizontal_irradiance,
+    load_source,
+    render,
+    render_terrain,
+    sample_elevation,
+)
+
+
+HERE = Path(__file__).parent
+EYE = (16265.0, 4255.0)  # m: the highest hill of the sample but one
+SIZE, SAMPLES = 560, 9
+
+
+class EvenSky(AbstractSource):
+    """One colour everywhere, with the light of another sky."""
+
+    def __init__(self, source, sun_zenith):
+        self.source, self.name = source, "even sky"
+        self.light = horizontal_irradiance(source, sun_zenith, 0.0) / np.pi
+
+    def xyz(self, direction, sun_zenith, sun_azimuth):
+        """The same for all."""
+        return np.broadcast_to(self.light, (len(direction), 3)).astype(np.float32)
+
+    def sun_xyz(self, sun_zenith):
+        """The other sky's."""
+        return self.source.sun_xyz(sun_zenith)
+
+
+def landscape(source, sun, looking, air="paper", sun_disc=True):
+    """The hills of the sample under a sun [degree]."""
+    zenith, azimuth = np.radians(sun)
+    camera = Perspective(
+        SIZE, SIZE * 3 // 4, np.radians(looking), np.radians(-5), np.radians(55), 120.0
+    )
+    return render_terrain(
+        source, sample_elevation(), camera, EYE, zenith, azimuth,
+        air_before(source, zenith, air) if air != "none" else None,
+        samples=SAMPLES, sun_disc=sun_disc,
+    )  # fmt: skip
+
+
+def sheet(name, pictures, columns, evs=None):
+    """Pictures with titles beside each other, as one file."""
+    with plots.house_style():
+        rows = -(-len(pictures) // columns)
+        figure = Figure(figsize=(3.9 * columns, 3.15 * rows), layout="constrained")
+        for number, (title, picture) in enumerate(pictures.items()):
+            panel = figure.add_subplot(rows, columns, number + 1)
+            panel.imshow(picture.pixels(None if evs is None else evs[number]))
+            panel.set_title(title)
+            panel.set_axis_off()
+        save(figure, name, few=True)
+
+
+def save(figure, name, few=False):
+    """As a PNG, of few colours where it would be too large for a page otherwise."""
+    if not few:
+        figure.savefig(HERE / f"{name}.png", dpi=110)
+        return
+    from io import BytesIO
+
+    from PIL import Image
+
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", dpi=110)
+    buffer.seek(0)
+    with Image.open(buffer) as image:
+        image.convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT).save(
+            HERE / f"{name}.png", optimize=True
+        )
+
+
+def landscapes():
+    """The four conditions of the paper's figure 7."""
+    two, six = load_source(None, 2.0), load_source(None, 6.0)
+    overcast = ModelSource(cie_overcast_sky(), 10.0, "CIE overcast sky")
+    pictures = {
+        "morning, turbidity 2": landscape(two, (65, 100), 270),
+        "evening, turbidity 2": landscape(two, (80, 285), 270),
+        "evening, turbidity 6": landscape(six, (80, 285), 270),
+        "overcast, turbidity 10": landscape(overcast, (50, 285), 270, sun_disc=False),
+    }
+    sheet("pictures_landscapes", pictures, 2)
+
+
+def with_and_without():
+    """The paper's figures 1 and 8."""
+    sun, low = (65, 100), (83, 280)
+    clear, hazy = load_source(None, 2.5), load_source(None, 6.0)
+    larson = ModelSource(cie_clear_sky(6.0), 6.0, "CIE clear sky")
+    pictures = {
+        "even sky, no air": landscape(EvenSky(clear, np.radians(65)), sun, 300, "none"),
+        "the paper's sky and air": landscape(clear, sun, 300),
+        "CIE clear sky, Ward-Larson's air": landscape(larson, low, 90, "ward-larson"),
+        "the paper's sky and air, turbidity 6": landscape(hazy, low, 90),
+    }
+    bright = [pictures[name].exposure() for name in pictures]
+    sheet("pictures_aerial", pictures, 2, [bright[1], bright[1], bright[3], bright[3]])
+
+
+def orientation():
+    """Where the compass lies in a panorama."""
+    source, sun = load_source(None, 3.0), (np.radians(55), np.radians(140))
+    picture = render(source, Panorama(256), *sun)
+    with plots.house_style():
+        figure = Figure(figsize=(7.4, 3.9), layout="constrained")
+        panel = figure.subplots()
+        panel.imshow(picture.pixels(), extent=(-180, 180, -90, 90), aspect="equal")
+        for azimuth, name in (
+            (0, "north"),
+            (90, "east"),
+            (-90, "west"),
+            (-180, ""),
+            (180, "south"),
+        ):
+            panel.axvline(azimuth, color="w", linewidth=0.7)
+            panel.text(azimuth - 3 * (azimuth == 180), 4, name, ha="right" if azimuth == 180 else
+                       "center", color="k", backgroundcolor="#ffffffb0", fontsize=8)  # fmt: skip
+        panel.plot(140, 35, "o", markersize=14, markerfacecolor="none", color="k")
+        panel.annotate("sun: zenith 55°, azimuth 140°", (140, 35), (20, 62), fontsize=8,
+                       arrowprops={"arrowstyle": "-", "lw": 0.7})  # fmt: skip
+        panel.set_xlabel("azimuth from the picture's centre [°]; --facing-deg 0")
+        panel.set_ylabel("elevation [°]")
+        panel.set_xticks(range(-180, 181, 45))
+        panel.set_yticks(range(-90, 91, 30))
+        panel.grid(visible=False)
+        save(figure, "pictures_orientation")
+
+
+def domes():
+    """One sky, published, simulated and measured."""
+    measured = load_source(Path("cornell"), sun_zenith=np.radians(48.938))
+    sun, azimuth = measured.sun_zenith, np.pi
+    air = SimulatedSource(skyfit.preetham_atmosphere(2.53), "simulated")
+    pictures = {
+        "published model": render(load_source(None, 2.53), Fisheye(320), sun, azimuth),
+        "simulated, two orders": render(air, Fisheye(320), sun, azimuth),
+        "measured (Kider et al. 2014)": render(
+            measured, Fisheye(320), sun, azimuth, sun_disc=False
+        ),
+    }
+    shared = pictures["measured (Kider et al. 2014)"].exposure()
+    sheet("pictures_domes", pictures, 3, [shared] * 3)
+
+
+def charts():
+    """Some plots."""
+    model, sun = skyfit.preetham_sky(3.0), np.radians(55)
+    save(plots.luminance_map(model, sun), "plot_luminance")
+    save(plots.sun_path(np.radians(42.44)), "plot_sun_path")
+    view = np.linspace(0, np.pi / 2, 60)
+    tracks = {
+        f"sun at {deg}°: zenith to horizon": np.asarray(
+            model.xyY(np.radians(deg), view, np.pi / 2)
+        )[:, :2]
+        for deg in (20, 55, 80)
+    }
+    save(plots.chromaticity_diagram(tracks), "plot_chromaticity")
+    skies = {"published": model, "CIE clear sky": cie_clear_sky(3.0)}
+    save(plots.meridian_section(skies, sun), "plot_section")
+    save(plots.error_map(model, cie_clear_sky(3.0), sun, "CIE clear over published"), "plot_error")
+
+
+PICTURES = {
+    "landscapes": landscapes,
+    "aerial": with_and_without,
+    "orientation": orientation,
+    "domes": domes,
+    "charts": charts,
+}
+
+if __name__ == "__main__":
+    jax.config.update("jax_enable_x64", True)
+    for wanted in sys.argv[1:] or PICTURES:
+        PICTURES[wanted]()
