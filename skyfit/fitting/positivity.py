@@ -86,7 +86,8 @@ def positivity(
         -1,
         0,
     )
-    luminance = luminance / np.abs(luminance).mean(-1, keepdims=True)
+    mean = np.abs(luminance).mean(-1, keepdims=True)
+    luminance = luminance / np.where(mean > 0, mean, 1.0)  # where a sky is black it stays 0
 
     def where(table):
         i, j, k = np.unravel_index(table.argmin(), table.shape)
@@ -107,7 +108,7 @@ def locus_margin(xy: Float[np.ndarray, "*batch 2"]) -> Float[np.ndarray, "*batch
     Source: CIE 1931 2° standard observer, the hull of its spectral chromaticities.
     """
     normals, offsets = _locus()
-    return -(xy @ normals.T + offsets).max(axis=-1)
+    return np.asarray(-(xy @ normals.T + offsets).max(axis=-1))
 
 
 @cache
