@@ -30,6 +30,7 @@ PUBLIC = {
     "clear_sky_irradiance",
     "coefficient_table",
     "colour_claim",
+    "compare_weights",
     "compare_skies",
     "cornell_skies",
     "day_course",

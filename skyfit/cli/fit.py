@@ -1,5 +1,6 @@
 """`skyfit fit`: a sky dataset to a fit file."""
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -16,24 +17,118 @@ from .output import console, print_json, progress
 @click.option(
     "--out", type=click.Path(path_type=Path), required=True, help="Where the fit goes (JSON)."
 )
+@click.option(
+    "--distribution",
+    default="perez",
+    show_default=True,
+    help="Formula of the dome: perez, cie, hosek-wilkie or series.",
+)
+@click.option(
+    "--dependence",
+    default="linear",
+    show_default=True,
+    help="Of its coefficients: linear in the parameter, polynomial in it and the sun, or nodes.",
+)
+@click.option(
+    "--channels",
+    default="Yxy",
+    show_default=True,
+    help="What is fitted: Yxy, XYZ, RGB or spectrum.",
+)
+@click.option(
+    "--weights",
+    type=click.Choice(["equal", "solid angle"]),
+    default="equal",
+    show_default=True,
+    help="Of each direction.",
+)
+@click.option(
+    "--residuals",
+    type=click.Choice(["relative", "absolute"]),
+    default="relative",
+    show_default=True,
+    help="What is made small.",
+)
+@click.option(
+    "--compare-weights",
+    is_flag=True,
+    help="Print the published form's coefficients by every choice of weights too.",
+)
 @as_json
-def fit(sky: Path, out: Path, as_json: bool) -> int:
+def fit(
+    sky: Path,
+    out: Path,
+    distribution: str,
+    dependence: str,
+    channels: str,
+    weights: Any,
+    residuals: Any,
+    compare_weights: bool,
+    as_json: bool,
+) -> int:
     """Fit the sky model's coefficients to the skies in SKY and print them.
 
-    The published coefficients stand beside them.
+    For the published form, the published coefficients stand beside them.
     """
     if out.exists():
         raise click.UsageError(f"--out: {out} exists already; give another name")
     skies = skyfit.load_dataset(sky)
     with progress("fitting", quiet=as_json):
-        found = skyfit.fit_sky(skies)
+        found = skyfit.fit_sky(
+            skies,
+            distribution=distribution,
+            dependence=dependence,
+            channels=channels,
+            weights=weights,
+            residuals=residuals,
+        )
+        compared = skyfit.compare_weights(skies) if compare_weights else {}
     found.save(out)
-    table = skyfit.coefficient_table(found)
-    if as_json:
-        print_json({"out": str(out), "coefficients": table})
+    record: dict[str, Any] = {"out": str(out)}
+    if isinstance(found, skyfit.FormulaFit):
+        record["fit"] = {name: one.rms for name, one in found.diagnostics.items()}
+        record["numbers"] = found.num_coefficients
     else:
-        _print_coefficients(table)
+        record["coefficients"] = skyfit.coefficient_table(found)
+    if found.positivity is not None:
+        record["positivity"] = dataclasses.asdict(found.positivity)
+    if compared:
+        record["weights"] = {name: one.to_dict() for name, one in compared.items()}
+    if as_json:
+        print_json(record)
+    else:
+        _print(found, record)
     return 0
+
+
+def _print(found: Any, record: dict[str, Any]) -> None:
+    if "coefficients" in record:
+        _print_coefficients(record["coefficients"])
+    else:
+        console().print(f"{found.shape.formula}", soft_wrap=True)
+        for name, rms in record["fit"].items():
+            console().print(f"{name:<8} {record['numbers']} numbers, relative RMS {rms:.3g}")
+    if found.positivity is not None:
+        console().print(found.positivity.sentence(), soft_wrap=True)
+    if "weights" in record:
+        _print_weights(record["weights"])
+
+
+def _print_weights(compared: dict[str, Any]) -> None:
+    from rich.table import Table
+
+    rows = Table(title="Coefficients by weights, as slope, intercept")
+    for name in ("", "", *compared):
+        rows.add_column(name, justify="right" if name else "left", no_wrap=True)
+    for channel in ("Y", "x", "y"):
+        for k, letter in enumerate("ABCDE"):
+            pairs = [one["coefficients"][channel][k] for one in compared.values()]
+            rows.add_row(channel, letter, *(f"{slope:.4g}, {cut:.4g}" for slope, cut in pairs))
+        for measure in compared:
+            values = [one["rms"][channel][measure] for one in compared.values()]
+            rows.add_row(channel, f"RMS, {measure}", *(f"{100 * value:.2f} %" for value in values))
+        rows.add_section()
+    console().print(rows)
 
 
 def _print_coefficients(table: dict[str, Any]) -> None:

@@ -8,3 +8,4 @@ from .ladder import colour_claim as colour_claim, ladder as ladder
 from .positivity import Positivity as Positivity, positivity as positivity
 from .record import SkyFit as SkyFit
 from .sky_fit import EachSky as EachSky, fit_each_sky as fit_each_sky, fit_sky as fit_sky
+from .weighting import compare_weights as compare_weights

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from .._typing import as_float
 from ..models.perez import CHANNELS, COEFFICIENTS
@@ -32,7 +32,7 @@ from .formula_record import FormulaFit
 from .groups import MAX_VIEW_ZENITH, PRIOR, BatchFit, FitSettings, Starts, fit_groups
 from .positivity import positivity
 from .record import SkyFit, TwoStage
-from .shape import shape_residuals
+from .shape import ShapeProblem, shape_residuals
 from .skies import Residuals, Skies, Weights, read_skies
 from .zenith import ZenithFit, fit_zenith_chromaticity, fit_zenith_luminance
 
@@ -130,7 +130,7 @@ def fit_sky(
 def fit_published(skies: Skies, settings: FitSettings, provenance: Mapping[Any, Any]) -> SkyFit:
     """Fit the published form; `provenance` is that of the data."""
     joint = fit_groups(skies, settings, "all")
-    lines, errors, diagnostics = _read_joint(joint, skies)
+    lines, errors, diagnostics = read_joint(joint, skies)
     zenith = _zenith(skies, joint)
     fit = SkyFit(
         coefficients=lines,
@@ -202,7 +202,9 @@ def fit_each_sky(
     )
 
 
-def _read_joint(joint: BatchFit, skies: Skies):
+def read_joint(
+    joint: BatchFit, skies: Skies
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Diagnostics]]:
     """Lines, standard errors and diagnostics of each channel."""
     distribution, dependence = joint.problem.distribution, joint.dependence
     found = jacobians(as_float(joint.solution.free), joint.problem)
@@ -241,7 +243,7 @@ def _two_stage(skies: Skies, settings: FitSettings, joint: BatchFit) -> dict[str
     lines = np.stack([np.polyfit(values, rows, 1).T for rows in table])
     ends = np.stack([skies.parameter_range, (1.0, 1.0)])
     nodes = np.swapaxes(lines @ ends, 1, 2)
-    residuals, _ = (np.asarray(x, float) for x in _evaluate(as_float(nodes), joint.problem))
+    residuals, _ = (np.asarray(x, float) for x in evaluate(nodes, joint.problem))
     count = np.count_nonzero(np.asarray(joint.problem.weight), axis=(1, 2))
     rms = np.sqrt((residuals**2).sum((1, 2)) / count)
     return {
@@ -254,7 +256,7 @@ def _zenith(skies: Skies, joint: BatchFit) -> dict[str, ZenithFit]:
     """Fits of the zenith values: the skies' own, or those that their shapes imply."""
     values = skies.zenith
     if values is None:
-        _, implied = _evaluate(as_float(joint.nodes[:, 0]), joint.problem)
+        _, implied = evaluate(joint.nodes[:, 0], joint.problem)
         values = np.asarray(implied, float)
     fits = {}
     for name, value in zip(CHANNELS, values, strict=True):
@@ -263,7 +265,13 @@ def _zenith(skies: Skies, joint: BatchFit) -> dict[str, ZenithFit]:
     return fits
 
 
+def evaluate(
+    nodes: Float[np.ndarray, "lane node coefficient"], problem: ShapeProblem
+) -> tuple[Float[Array, "lane sky direction"], Float[Array, "lane sky"]]:
+    """Residuals and zenith values of a batch at given coefficients."""
+    return _evaluate(as_float(nodes), problem)
+
+
 @eqx.filter_jit
 def _evaluate(nodes, problem):
-    """Residuals and zenith values of a batch at given coefficients."""
     return jax.vmap(shape_residuals)(nodes, problem)
