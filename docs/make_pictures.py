@@ -55,7 +55,7 @@ def landscape(source, sun, looking, air="paper", sun_disc=True):
     )
     return render_terrain(
         source, sample_elevation(), camera, EYE, zenith, azimuth,
-        air_before(source, zenith, air) if air != "none" else None,
+        air_before(source, zenith, air, sunlight=sun_disc),
         samples=SAMPLES, sun_disc=sun_disc,
     )  # fmt: skip
 
@@ -70,25 +70,12 @@ def sheet(name, pictures, columns, evs=None):
             panel.imshow(picture.pixels(None if evs is None else evs[number]))
             panel.set_title(title)
             panel.set_axis_off()
-        save(figure, name, few=True)
+        save(figure, name)
 
 
-def save(figure, name, few=False):
-    """As a PNG, of few colours where it would be too large for a page otherwise."""
-    if not few:
-        figure.savefig(HERE / f"{name}.png", dpi=110)
-        return
-    from io import BytesIO
-
-    from PIL import Image
-
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=110)
-    buffer.seek(0)
-    with Image.open(buffer) as image:
-        image.convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT).save(
-            HERE / f"{name}.png", optimize=True
-        )
+def save(figure, name):
+    """As a PNG."""
+    figure.savefig(HERE / f"{name}.png", dpi=100)
 
 
 def landscapes():

@@ -243,5 +243,7 @@ def test_a_sky_of_unknown_air_has_no_aerial_perspective(published):
     with pytest.raises(ValueError, match="a fit: its air is unknown"):
         air_before(unknown, 0.5)
     assert air_before(unknown, 0.5, "none") is None
+    shaded = air_before(published, 0.5, sunlight=False)
+    assert float(jnp.abs(shaded.source.sun).max()) == 0
     with pytest.raises(ValueError, match="expected one of paper, ward-larson, none"):
         air_before(published, 0.5, "fog")

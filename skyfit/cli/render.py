@@ -148,7 +148,7 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
     albedo = source.ground_albedo if albedo is None else albedo
     east, north = options["eye_east_m"], options["eye_north_m"]
     eye = (wide / 2 if east is None else east, deep / 2 if north is None else north)
-    air = look.air_before(source, zenith, options["aerial"], albedo)
+    air = look.air_before(source, zenith, options["aerial"], albedo, sunlight=options["sun_disc"])
     return look.render_terrain(
         source, land, camera, eye, zenith, azimuth, air, albedo=albedo,
         samples=options["samples"], sun_disc=options["sun_disc"],

@@ -9,7 +9,12 @@ AIRS = ("paper", "ward-larson", "none")
 
 
 def air_before(
-    source: AbstractSource, sun_zenith: float, kind: str = "paper", ground_albedo: float = 0.2
+    source: AbstractSource,
+    sun_zenith: float,
+    kind: str = "paper",
+    ground_albedo: float = 0.2,
+    *,
+    sunlight: bool = True,
 ) -> AerialPerspective | ConstantAmbient | None:
     """Aerial perspective that belongs to a sky, in linear sRGB.
 
@@ -19,6 +24,7 @@ def air_before(
         kind: "paper" for that of Preetham et al. (1999), "ward-larson" for the one they compare
             with, "none".
         ground_albedo: Of the land, which lights the air too.
+        sunlight: Whether the sun shines on the air; not under clouds.
 
     Raises:
         ValueError: Another kind; a sky whose air is not known.
@@ -35,4 +41,7 @@ def air_before(
         raise ValueError(f"{source.name}: its air is unknown; expected a turbidity, or no air")
     if kind == "ward-larson":
         return ward_larson_aerial(air, sky, sun_zenith, channels="rgb")
-    return aerial_perspective(air, sky, sun_zenith, channels="rgb", ground_albedo=albedo)
+    return aerial_perspective(
+        air, sky, sun_zenith, channels="rgb", ground_albedo=albedo,
+        sun_irradiance=None if sunlight else 0.0,
+    )  # fmt: skip
