@@ -1,0 +1,62 @@
+"""What the documentation shows: its programs run, its commands, files and tests exist."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import skyfit
+from skyfit.cli import commands
+
+
+DOCS = Path(__file__).parent.parent / "docs"
+# Other files of the repository that are shown as pages have tests of their own.
+PAGES = sorted(page for page in DOCS.rglob("*.md") if page.resolve().is_relative_to(DOCS.resolve()))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.DOTALL)
+
+
+def test_pages_are_found():
+    assert {page.name for page in PAGES} >= {"index.md", "tutorial.md", "refit.md"}
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
+)
+def test_the_programs_of_a_page_run_as_they_stand(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile("\n".join(blocks(page, "python")), str(page), "exec"), {"__name__": page.stem})
+
+
+def test_campaign_files_of_the_pages_are_campaigns(tmp_path):
+    files = [text for page in PAGES for text in blocks(page, "toml")]
+    assert files
+    for text in files:
+        (tmp_path / "shown.toml").write_text(text)
+        assert skyfit.load_campaign(tmp_path / "shown.toml").swept[1]
+
+
+def test_commands_of_the_pages_exist_with_their_options():
+    shown = [line for page in PAGES for text in blocks(page, "sh") for line in text.splitlines()]
+    lines = [shlex.split(line, comments=True) for line in shown if line.startswith("skyfit ")]
+    assert len(lines) >= 8
+    for _, name, *words in lines:
+        known = {option for given in commands.commands[name].params for option in given.opts}
+        assert {word for word in words if word.startswith("--")} <= known, name
+
+
+def test_every_test_that_a_page_cites_exists():
+    cited = {name for page in PAGES for name in re.findall(r"`(test_\w+)`", page.read_text())}
+    text = "".join(path.read_text() for path in Path(__file__).parent.glob("test_*.py"))
+    assert len(cited) >= 25
+    assert cited <= set(re.findall(r"def (test_\w+)\(", text))
+
+
+def test_every_public_name_is_in_the_reference():
+    text = "".join(page.read_text() for page in (DOCS / "reference").glob("*.md"))
+    shown = set(re.findall(r"^::: skyfit\.(\w+)$", text, re.MULTILINE))
+    public = {name for name in dir(skyfit) if not name.startswith("_") and name in skyfit._HOME}
+    assert public - shown == set()
