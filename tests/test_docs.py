@@ -40,11 +40,13 @@ def test_campaign_files_of_the_pages_are_campaigns(tmp_path):
 
 
 def test_commands_of_the_pages_exist_with_their_options():
-    shown = [line for page in PAGES for text in blocks(page, "sh") for line in text.splitlines()]
+    text = "".join(block for page in PAGES for block in blocks(page, "sh"))
+    shown = text.replace("\\\n", " ").splitlines()
     lines = [shlex.split(line, comments=True) for line in shown if line.startswith("skyfit ")]
     assert len(lines) >= 8
     for _, name, *words in lines:
-        known = {option for given in commands.commands[name].params for option in given.opts}
+        given = commands.commands[name].params
+        known = {option for one in given for option in (*one.opts, *one.secondary_opts)}
         assert {word for word in words if word.startswith("--")} <= known, name
 
 
