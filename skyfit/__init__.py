@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         plots as plots,
         profile as profile,
         render as render,
+        surfaces as surfaces,
         turbidity as turbidity,
     )
     from .aerial import (
@@ -76,7 +77,7 @@ if TYPE_CHECKING:
     )
     from .transfer.simulate_sky import simulate as simulate
 
-_MODULES = ("angles", "phase", "plots", "profile", "render", "turbidity")
+_MODULES = ("angles", "phase", "plots", "profile", "render", "surfaces", "turbidity")
 _NAMES = {
     "aerial": (
         "AerialPerspective",
