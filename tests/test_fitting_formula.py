@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from model_skies import model_skies
 
-from skyfit.fitting import Dependence, FormulaFit, SkyFit, fit_sky, load_fit
+from skyfit.cli import run
+from skyfit.dataset import SCHEMA, save_dataset
+from skyfit.fitting import Dependence, FormulaFit, SkyFit, fit_sky, load_fit, shape_error
 from skyfit.models import preetham_sky
 from skyfit.models.shapes import SeriesShape
 
@@ -35,6 +37,24 @@ def test_a_fitted_sky_is_the_data(skies, series):
         inside = view < np.radians(85.1)
         error = (np.asarray(sky)[..., 2] / one["luminance"].values - 1)[:, inside]
         assert np.sqrt(np.mean(error**2)) < 2 * series.diagnostics["Y"].rms < 0.1
+
+
+def test_its_shape_is_compared_like_any_sky(skies, series):
+    error = shape_error(series, skies)
+    assert 0 < error["Y"] < 0.1
+
+
+def test_the_command_fits_a_formula_and_says_how_sound_it_is(skies, tmp_path, capsys):
+    save_dataset(skies.assign_attrs(schema=SCHEMA), tmp_path / "sky.nc")
+    words = ["fit", str(tmp_path / "sky.nc"), "--distribution", "series", "--json"]
+    out = tmp_path / "fit.json"
+    assert run([*words, "--out", str(out)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    fit = load_fit(out)
+    assert isinstance(fit, FormulaFit)
+    assert fit.basis.num_terms == 2
+    assert record["fit"]["Y"] == fit.diagnostics["Y"].rms
+    assert record["positivity"]["locus_margin"] == fit.positivity.locus_margin
 
 
 def test_a_file_brings_the_formula_back(series, tmp_path):

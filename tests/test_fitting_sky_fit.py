@@ -12,7 +12,7 @@ from model_skies import DIRECTIONS, SUNS, model_skies, noisy
 
 from skyfit.fitting import fit_each_sky, fit_sky
 from skyfit.fitting.groups import FitSettings, fit_groups
-from skyfit.fitting.shape import _objective, solve_shapes
+from skyfit.fitting.shape import objective, solve_shapes
 from skyfit.fitting.skies import read_skies
 from skyfit.models import preetham_sky
 from skyfit.models.perez import CHANNELS
@@ -204,7 +204,7 @@ def newton_step(problem, free):
     """Towards the last digit of the optimum."""
 
     def one(u, p):
-        loss = lambda u: 0.5 * jnp.sum(_objective(u, p) ** 2)  # noqa: E731
+        loss = lambda u: 0.5 * jnp.sum(objective(u, p) ** 2)  # noqa: E731
         return u - jnp.linalg.solve(jax.hessian(loss)(u), jax.grad(loss)(u))
 
     return jax.vmap(one)(free, problem)

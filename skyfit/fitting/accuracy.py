@@ -11,6 +11,7 @@ from ..models import AbstractSkyModel, preetham_sky
 from ..models.perez import CHANNELS, PerezSky
 from ..models.preetham import published_coefficients
 from .diagnostics import line_with_errors
+from .formula_record import FormulaFit
 from .groups import MAX_VIEW_ZENITH, FitSettings, fit_groups
 from .record import SkyFit
 from .skies import Skies, read_skies
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     pass
 
 
-Sky = Any  # an xarray.Dataset, a SkyFit, a model, or a function from turbidity to a model
+Sky = Any  # an xarray.Dataset, a fit, a model, or a function from turbidity to a model
 
 
 def shape_error(
@@ -133,6 +134,6 @@ def _model_shape(sky: Sky, sampling: Skies) -> Float[np.ndarray, "channel sky di
 
 
 def _model_at(sky: Sky, name: str | None, value: float) -> AbstractSkyModel:
-    if isinstance(sky, SkyFit):
+    if isinstance(sky, SkyFit | FormulaFit):
         return sky.sky(**({name: value} if sky.parameter_name and name else {}))
     return sky if isinstance(sky, AbstractSkyModel) else sky(value)

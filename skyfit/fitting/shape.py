@@ -77,7 +77,7 @@ def shape_residuals(
     return problem.weight * (zenith[:, None] * ratio - 1), zenith
 
 
-def _objective(free: Float[Array, " free"], problem: ShapeProblem) -> Float[Array, " residual"]:
+def objective(free: Float[Array, " free"], problem: ShapeProblem) -> Float[Array, " residual"]:
     """Residuals of the fit and of the prior: half their sum of squares is minimised.
 
     The prior multiplies the loss, L (1 + p |u - c|²), so that it decides where the skies do not
@@ -116,7 +116,7 @@ def solve_shapes(
 
     def one(problem, start):
         solution = optx.least_squares(
-            _objective, solver, start, problem, max_steps=max_steps, adjoint=adjoint, throw=False
+            objective, solver, start, problem, max_steps=max_steps, adjoint=adjoint, throw=False
         )
         nodes = problem.distribution.constrain(problem.per_node(solution.value))
         residual, _ = shape_residuals(nodes, problem)
