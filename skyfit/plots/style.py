@@ -39,7 +39,7 @@ _SETTINGS: dict[Any, Any] = {
 }
 
 
-def cycle(number: int) -> dict[str, str]:
+def cycle(number: int) -> dict[str, Any]:
     """Colour and line style of the n-th line of a chart."""
     return {"color": _COLOURS[number % 7], "linestyle": _DASHES[number % 4]}
 
