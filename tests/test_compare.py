@@ -16,6 +16,7 @@ from skyfit import cli
 from skyfit.compare import compare_skies
 from skyfit.compare.figures import VIEWS
 from skyfit.compare.models import MODELS, Entry
+from skyfit.fitting import paper_refit
 
 
 SUN = np.radians(50.0)
@@ -115,6 +116,24 @@ def test_orders_of_a_simulation_add_up():
     # have 0.75 to 0.97.
     assert 0.4 < orders[0]["opposite"] / orders[2]["opposite"] < 0.75
     assert 0.75 < orders[1]["opposite"] / orders[2]["opposite"] < 0.97
+
+
+def test_the_refit_is_near_the_simulation_it_was_made_from():
+    rows = {row["model"]: row for row in compare_skies(SUN, 3.0)}
+    refit, simulated = rows["refit of the paper's form"], rows["simulated, two orders"]
+    # The form follows the shape of this sky within some percent, the zenith within some more.
+    for view in VIEWS:
+        assert refit["luminance"][view] == pytest.approx(simulated["luminance"][view], rel=0.15)
+    for place, chromaticity in refit["chromaticity"].items():
+        np.testing.assert_allclose(chromaticity, simulated["chromaticity"][place], atol=0.012)
+
+
+def test_the_refit_that_is_shipped_is_of_the_papers_campaign():
+    fit = paper_refit()
+    campaign = json.loads(fit.provenance["data"]["campaign"])
+    for name in ("turbidity", "sun_zenith", "view_zenith", "relative_azimuth", "wavelengths"):
+        np.testing.assert_allclose(campaign[name], getattr(skyfit.Campaign(), name), rtol=1e-12)
+    assert (campaign["orders"], campaign["quality"]) == (2, "default")
 
 
 def run(capsys, *arguments):

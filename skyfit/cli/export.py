@@ -5,12 +5,13 @@ from pathlib import Path
 import click
 
 import skyfit
+from skyfit.fitting import paper_refit
 
 from .options import as_json
 from .output import print_record
 
 
-PUBLISHED = "published"
+PUBLISHED, REFIT = "published", "refit"
 
 
 @click.command()
@@ -28,10 +29,17 @@ PUBLISHED = "published"
 )
 @as_json
 def export(sky: str, language: str, out: Path, name: str, as_json: bool) -> int:
-    """Write SKY, a fit file or the word "published", as source code for a renderer."""
+    """Write a sky formula as source code for a renderer.
+
+    SKY is a fit file, or the word "published", or "refit": the paper's formula fitted to the
+    paper's campaign.
+    """
     if out.exists():
         raise click.UsageError(f"--out: {out} exists already; give another name")
-    formula = skyfit.preetham_sky(2.0) if sky == PUBLISHED else skyfit.load_fit(sky)
+    if sky == PUBLISHED:
+        formula = skyfit.preetham_sky(2.0)
+    else:
+        formula = paper_refit() if sky == REFIT else skyfit.load_fit(sky)
     code = skyfit.export_fit(formula, language, name=name)
     out.write_text(code, encoding="utf-8")
     print_record({"out": str(out), "format": language, "lines": code.count("\n")}, as_json)

@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike
 from ..colour import spectrum_to_xyY
+from ..fitting import paper_refit
 from ..models import (
     cie_clear_sky,
     cie_general_sky,
@@ -94,6 +95,7 @@ MODELS = (
     Entry("simulated, single scattering", lambda at: SimulatedSky(at.turbidity, 1)),
     Entry("simulated, two orders", lambda at: SimulatedSky(at.turbidity, 2)),
     Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
+    Entry("refit of the paper's form", lambda at: paper_refit().sky(turbidity=at.turbidity)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
     Entry("Hoffman & Preetham 2002", lambda at: hoffman_preetham_sky(at.turbidity)),
     Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
