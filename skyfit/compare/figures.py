@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._typing import as_scalar, check
-from ..fitting import SkyFit
+from ..fitting import FormulaFit, SkyFit
 from .models import MODELS, Conditions, Entry, HasColour
 
 
@@ -29,7 +29,7 @@ def compare_skies(
     sun_zenith: float,
     turbidity: float,
     *,
-    fits: Mapping[str, SkyFit] | None = None,
+    fits: Mapping[str, SkyFit | FormulaFit] | None = None,
     models: Sequence[Entry] = MODELS,
 ) -> list[dict[str, Any]]:
     """Describe the same sky as every model sees it.
@@ -61,7 +61,7 @@ def compare_skies(
     return [_row(entry, at) for entry in entries]
 
 
-def _entry(name: str, fit: SkyFit) -> Entry:
+def _entry(name: str, fit: SkyFit | FormulaFit) -> Entry:
     if fit.parameter_name not in (None, "turbidity"):
         raise ValueError(
             f"compare_skies(fits=...): {name} is a fit over {fit.parameter_name!r}, "
