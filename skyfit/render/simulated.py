@@ -40,7 +40,7 @@ class SimulatedSource(AbstractSource):
     """The simulated sky of an atmosphere.
 
     Against the simulation itself, direction by direction, luminance seen from the ground is within
-    0.02 % (root mean square; 0.1 % at worst) for suns 20° to 88° from the zenith at turbidity 3.
+    0.04 % (root mean square; 0.1 % at worst) for suns 20° to 88° from the zenith at turbidity 3.
 
     Args:
         atmosphere: What scatters and absorbs.
