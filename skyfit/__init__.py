@@ -50,6 +50,11 @@ if TYPE_CHECKING:
         recovery_error as recovery_error,
         shape_error as shape_error,
     )
+    from .marcher import (
+        scs_air as scs_air,
+        scs_atmosphere as scs_atmosphere,
+        scs_sky as scs_sky,
+    )
     from .measurements import cornell_skies as cornell_skies
     from .models import (
         cie_clear_sky as cie_clear_sky,
@@ -107,6 +112,7 @@ _NAMES = {
         "recovery_error",
         "shape_error",
     ),
+    "marcher": ("scs_air", "scs_atmosphere", "scs_sky"),
     "measurements": ("cornell_skies",),
     "models": (
         "cie_clear_sky",

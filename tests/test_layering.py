@@ -16,7 +16,7 @@ ORDER = [
     "transfer",                                               # simulation
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
-    "aerial", "surfaces",                                     # light on its way to eye and ground
+    "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
     "render", "plots", "export", "compare", "report", "benchmark",  # what is made of them
     "__init__", "cli",
 ]  # fmt: skip

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike
 from ..colour import spectrum_to_xyY
 from ..fitting import paper_refit
+from ..marcher import scs_sky
 from ..models import (
     cie_clear_sky,
     cie_general_sky,
@@ -98,6 +99,7 @@ MODELS = (
     Entry("refit of the paper's form", lambda at: paper_refit().sky(turbidity=at.turbidity)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
     Entry("Hoffman & Preetham 2002", lambda at: hoffman_preetham_sky(at.turbidity)),
+    Entry("Nishita 1993, 16 × 8 steps", lambda at: scs_sky()),
     Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
     Entry("Preetham, overcast from 10", lambda at: overcast_blend_sky(at.turbidity)),
     Entry("CIE clear", lambda at: cie_clear_sky(at.turbidity)),
