@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import (
         angles as angles,
+        marcher as marcher,
         phase as phase,
         plots as plots,
         profile as profile,
@@ -82,7 +83,7 @@ if TYPE_CHECKING:
     )
     from .transfer.simulate_sky import simulate as simulate
 
-_MODULES = ("angles", "phase", "plots", "profile", "render", "surfaces", "turbidity")
+_MODULES = ("angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity")
 _NAMES = {
     "aerial": (
         "AerialPerspective",

@@ -66,7 +66,7 @@ PUBLIC = {
     "sunlight",
     "ward_larson_aerial",
 }
-MODULES = {"angles", "phase", "plots", "profile", "render", "surfaces", "turbidity"}
+MODULES = {"angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity"}
 
 
 def test_public_names_change_only_on_purpose():

@@ -14,7 +14,7 @@ from ..marcher import (
     scs_air,
     tone_map,
 )
-from . import style
+from ..plots import style
 
 
 def day_sheet(air: MarchedAir | None = None, frames: int = 128, size: int = 48) -> Figure:
@@ -88,27 +88,27 @@ def _fisheye(air):
 
 
 def _shafts():
-    """Looking towards a low sun behind a ridge with two gaps; the ridge itself is black."""
-    air = scs_air(mie=120e-6)
-    across = np.abs(np.arange(-100, 101) * 100.0)
-    profile = np.where((across % 3000) < 700, 200.0, 1500.0)
+    """Looking across shafts that a low sun sends through the gaps of a ridge."""
+    air = scs_air(mie=100e-6)
+    along = np.arange(-100, 101) * 100.0
     ridge = np.zeros((201, 201))
-    ridge[:, 140:146] = profile[:, None]
+    ridge[:, 140:146] = np.where(along % 2500 < 900, 0.0, 2500.0)[:, None]
     field = HeightField(ridge, 100.0)
-    rays = camera_rays(200, 150, np.radians(50.0), pitch=0.25)
-    distance = _distance_to(field, rays)
+    rays = camera_rays(200, 150, np.radians(50.0), pitch=0.25, heading=np.radians(55.0))
+    eye = np.array([-1500.0, -4000.0, 50.0])
+    distance = np.minimum(_distance_to(field, eye, rays), 25e3)
     light, _ = march(
-        air, np.array([0.0, 0.0, 50.0]), rays, _toward(80.0), np.minimum(distance, 25e3),
+        air, eye, rays, _toward(80.0), distance,
         view_steps=96, terrain=field, shadow_reach=12e3, shadow_steps=160,
     )  # fmt: skip
-    return _shown(3 * light)
+    return _shown(light)
 
 
-def _distance_to(field, rays):
-    """Distance along rays from 50 m height to the first sample in the ground; else infinite."""
+def _distance_to(field, eye, rays):
+    """Distance along rays to the first sample in the ground; else infinite."""
     s = np.linspace(50.0, 12e3, 480)
-    points = s[:, None, None, None] * rays[None]
+    points = eye + s[:, None, None, None] * rays[None]
     ground = np.asarray(field(jnp.asarray(points[..., 0]), jnp.asarray(points[..., 1])))
-    below = points[..., 2] + 50.0 < ground
+    below = points[..., 2] < ground
     first = np.argmax(below, axis=0)
     return np.where(below.any(axis=0), s[first], np.inf)
