@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         hoffman_preetham_aerial as hoffman_preetham_aerial,
         ward_larson_aerial as ward_larson_aerial,
     )
+    from .aerosol_fit import AerosolFit as AerosolFit, fit_aerosol as fit_aerosol
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
     from .benchmark import run_benchmarks as run_benchmarks
     from .campaign import Campaign as Campaign
@@ -92,6 +93,7 @@ _NAMES = {
         "hoffman_preetham_aerial",
         "ward_larson_aerial",
     ),
+    "aerosol_fit": ("AerosolFit", "fit_aerosol"),
     "atmosphere": ("Atmosphere", "Constituent"),
     "benchmark": ("run_benchmarks",),
     "campaign": ("Campaign",),

@@ -17,6 +17,7 @@ ORDER = [
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
     "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
+    "aerosol_fit",                                            # skies back to what they are made of
     "render", "plots", "export", "compare", "report", "benchmark",  # what is made of them
     "__init__", "cli",
 ]  # fmt: skip

@@ -13,6 +13,7 @@ import skyfit
 
 
 PUBLIC = {
+    "AerosolFit",
     "AerialPerspective",
     "Atmosphere",
     "Campaign",
@@ -36,6 +37,7 @@ PUBLIC = {
     "day_course",
     "day_sky",
     "export_fit",
+    "fit_aerosol",
     "fit_sky",
     "load_atmosphere",
     "ladder",

@@ -18,9 +18,10 @@ VIEW, AZIMUTH = half_dome(np.radians([30.0, 60.0, 80.0]), np.radians([0.0, 45.0,
 
 def reduced(campaign):
     """Two values of the sweep, three suns, a few directions: one program fits them all."""
-    if campaign.sweep is None:
+    swept = {}
+    if campaign.turbidity:
         swept = {"turbidity": (2.0, 6.0)}
-    else:
+    elif campaign.sweep is not None:
         ends = campaign.sweep.values[0], campaign.sweep.values[-1]
         swept = {"sweep": dataclasses.replace(campaign.sweep, values=ends)}
     return dataclasses.replace(

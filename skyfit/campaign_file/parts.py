@@ -43,6 +43,7 @@ class Ground(Section):
     """A Lambertian ground."""
 
     albedo: Annotated[Any, spectral(0.0, 1.0)] = 0.0
+    scale: Annotated[ZeroOrMore, Field(le=10)] = 1.0
 
 
 class Exponential(Section):

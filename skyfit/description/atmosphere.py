@@ -11,7 +11,7 @@ from ..atmosphere import Atmosphere
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
 from .gases import GASES, build_gas, gas_coefficients
 from .profiles import build_profile
-from .spectra import Part, spectrum_at, sunlight_above
+from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
 from .sweep import OBSERVER_ALTITUDE, Sweep, replaced
 
 
@@ -75,10 +75,19 @@ def build_atmosphere(description: Part, wavelengths: np.ndarray) -> Atmosphere:
         wavelengths=wavelengths,
         solar_irradiance=sunlight_above(description["sun"], wavelengths),
         constituents=constituents,
-        ground_albedo=spectrum_at(description["ground"]["albedo"], wavelengths),
+        ground_albedo=_ground_albedo(description["ground"], wavelengths),
         planet_radius=description["planet"]["radius_m"],
         top_altitude=top,
     )
+
+
+def _ground_albedo(ground: Part, wavelengths: Wavelengths) -> Wavelengths:
+    albedo = ground["scale"] * spectrum_at(ground["albedo"], wavelengths)
+    if albedo.max() > 1:
+        raise ValueError(
+            f"ground.scale: expected an albedo of 1 at most; it reaches {albedo.max():.6g}"
+        )
+    return albedo
 
 
 def _surroundings(gases: list[Part], top: float) -> Surroundings:
