@@ -62,3 +62,5 @@ def test_every_public_name_is_in_the_reference():
     shown = set(re.findall(r"^::: skyfit\.(\w+)$", text, re.MULTILINE))
     public = {name for name in dir(skyfit) if not name.startswith("_") and name in skyfit._HOME}
     assert public - shown == set()
+    modules = set(re.findall(r"^::: skyfit\.(\w+)(?:\.\w+)?$", text, re.MULTILINE))
+    assert set(skyfit._MODULES) <= modules
