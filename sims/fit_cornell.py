@@ -38,7 +38,7 @@ def main() -> None:
     write_numbers(file, found.values)
 
     simulated = skyfit.run_campaign(skyfit.load_campaign(file))
-    best = {"distribution": "hosek-wilkie", "dependence": "polynomial", "channels": WAVELENGTHS}
+    best = {"distribution": "series", "dependence": "polynomial", "channels": WAVELENGTHS}
     fits = {
         "paper's form, fitted to the simulation": skyfit.fit_sky(simulated, residuals="absolute"),
         "best of the ladder, fitted to the simulation": skyfit.fit_sky(
@@ -63,12 +63,14 @@ def main() -> None:
 
 
 def write_numbers(file: Path, values: dict[str, float]) -> None:
-    """Put fitted numbers in place of the file's own."""
+    """Put fitted numbers in place of the file's own; the ground's factor multiplies the file's."""
     text = file.read_text()
     for name, value in values.items():
         key = "scale" if name == "ground_scale" else name
-        text, count = re.subn(rf"(?m)^{key} = \S+", f"{key} = {value:.5g}", text)
-        assert count == 1, key
+        before = re.findall(rf"(?m)^{key} = (\S+)", text)
+        assert len(before) == 1, key
+        number = value * float(before[0]) if name == "ground_scale" else value
+        text = re.sub(rf"(?m)^{key} = \S+", f"{key} = {float(f'{number:.5g}')}", text)
     file.write_text(text)
 
 

@@ -1,6 +1,7 @@
 """The shipped campaign files: each runs, fits and gives a sky, at a fraction of its size."""
 
 import dataclasses
+import json
 import re
 from pathlib import Path
 
@@ -65,3 +66,18 @@ def test_higher_up_the_zenith_is_darker_and_bluer():
     zenith = skyfit.run_campaign(campaign).isel(direction=0, sun_zenith=1)
     assert (np.diff(zenith["luminance"]) < 0).all()
     assert (np.diff(zenith["x"]) < 0).all()
+
+
+def test_the_shipped_fit_of_cornells_day_is_as_close_to_the_measured_skies_as_recorded():
+    record = json.loads((SIMS / "cornell_2013.json").read_text())["rmse_mW_m-2_sr-1_nm-1"]
+    skies = skyfit.cornell_skies()
+    skies = skies.isel(direction=skies["reliable"].values)
+    lam = 360 + 11.75 * np.arange(31)
+    sun, view = skies["sun_zenith"].values[:, None], skies["view_zenith"].values[None]
+    sky = skyfit.load_fit(SIMS / "cornell_2013.fit.json").sky()
+    found = np.asarray(sky.radiance(sun, view, skies["relative_azimuth"].values, lam))
+    error = found - skies["radiance"].interp(wavelength=lam).values
+    rmse = 1e3 * np.sqrt(np.mean(error**2))
+    # The same numbers from the same file: nothing but rounding may differ.
+    assert rmse == pytest.approx(record["best of the ladder, fitted to the simulation"]["day"])
+    assert rmse < 12
