@@ -72,7 +72,8 @@ def warn_outside(value: ArrayLike, valid: tuple[float, float], argument: str) ->
     """Warn that a known value lies outside a valid range and is held at its end."""
     if is_traced(value):
         return
-    low, high = float(np.min(value)), float(np.max(value))
+    known = np.asarray(value)  # of a JAX array: its own `min` would be traced inside `jit`
+    low, high = float(known.min()), float(known.max())
     # A value computed in float32 may miss the end by a rounding error.
     slack = 1e-6 * max(abs(end) for end in valid)
     if low < valid[0] - slack or high > valid[1] + slack:
