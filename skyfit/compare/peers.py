@@ -71,9 +71,11 @@ class HosekWilkieSky:
 
 def _emitter(turbidity: float, ground_albedo: float, sun: float):
     """A function of view zenith, azimuth and wavelengths that asks Mitsuba."""
+    import drjit
     import mitsuba
 
     mi: Any = mitsuba
+    dr: Any = drjit
     mi.set_variant("scalar_spectral")
     emitter = mi.load_dict(
         {
@@ -84,7 +86,8 @@ def _emitter(turbidity: float, ground_albedo: float, sun: float):
             "sun_scale": 0.0,
         }
     )
-    interaction = mi.SurfaceInteraction3f()
+    # Zeros: a plain `SurfaceInteraction3f()` holds whatever was in that memory, NaN now and then.
+    interaction = dr.zeros(mi.SurfaceInteraction3f)
 
     def look(view: float, azimuth: float, wavelengths: np.ndarray) -> np.ndarray:
         sine = math.sin(view)
