@@ -33,7 +33,7 @@ class Terms:
                 _tents(f"{prefix}s", "sun_zenith", basis.sun_zenith),
             ]
         else:
-            raise NotImplementedError(f"export of a {type(basis).__name__}")
+            raise TypeError(f"expected a Polynomial or Nodes to export; got {type(basis).__name__}")
         (first, self._along_parameter), (second, self._along_sun) = sets
         self.lines = (*first, *second)
 

@@ -112,7 +112,7 @@ class AbstractDialect(abc.ABC):
                 return self._binary(node)
             case ast.Call(func=ast.Name(id=name), args=args):
                 return self._call(name, [self._write(arg)[0] for arg in args]), _TIGHT
-        raise NotImplementedError(f"not in the syntax of descriptions: {ast.unparse(node)}")
+        raise ValueError(f"not in the syntax of descriptions: {ast.unparse(node)}")
 
     def _binary(self, node: ast.BinOp) -> tuple[str, int]:
         sign, binds = _SIGNS[type(node.op)]
@@ -138,5 +138,5 @@ class AbstractDialect(abc.ABC):
         if name in self.functions:
             return f"{self.prefix}_{name}({', '.join(arguments)})"
         if name not in BUILT_IN:
-            raise NotImplementedError(f"not in the syntax of descriptions: {name}(...)")
+            raise ValueError(f"not in the syntax of descriptions: {name}(...)")
         return f"{self.names.get(name, name)}({', '.join(arguments)})"
