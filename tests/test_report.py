@@ -8,7 +8,8 @@ import pytest
 
 import skyfit
 from skyfit.campaign import half_dome
-from skyfit.plots.skies import fisheye_directions
+from skyfit.plots.domes import dome_gallery, error_maps
+from skyfit.plots.skies import fisheye_directions, modelled
 from skyfit.render.half_dome import grid_axes, on_dome
 from skyfit.report.claims import judge
 from skyfit.report.clock import Clock
@@ -159,6 +160,16 @@ def test_directions_in_another_order_are_refused():
     skies = skyfit.cornell_skies()
     with pytest.raises(ValueError, match="expected directions as the zenith and then"):
         grid_axes(skies.isel(time=0))
+
+
+def test_pictures_of_skies_say_which_skies_they_show():
+    published = modelled(skyfit.preetham_sky(3.0))
+    domes = dome_gallery({"published": published}, 3.0, [0.5])
+    maps = error_maps(published, {"the same": published}, 3.0, [0.5], 2.0)
+    for figure in (domes, maps):
+        assert figure.get_suptitle() == "turbidity 3"
+        assert figure.axes[0].get_title().startswith("sun 29° from the zenith")
+    assert maps.axes[0].get_xlabel() == "RMS 0 %"
 
 
 def test_a_fisheye_picture_has_the_sun_side_up_and_the_horizon_at_its_rim():

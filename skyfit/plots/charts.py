@@ -35,7 +35,7 @@ def luminance_sections(
                 degrees, colours = _meridian(source, sun, step if name == "simulated" else None)
                 panel.semilogy(degrees, colours[:, 2] / 1e3, label=name, **LINES[name])
             panel.axvline(np.degrees(sun), color="0.6", linewidth=0.8, zorder=0)
-            panel.set_title(f"T = {turbidity:g}, sun at {np.degrees(sun):.0f}°")
+            panel.set_title(f"turbidity {turbidity:g}, {style.sun_at(sun)}")
     style.plain_log(panels[0, 0].yaxis)
     _label_meridian(panels, "luminance [kcd m$^{-2}$]")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
@@ -53,12 +53,12 @@ def chromaticity_sections(
             degrees, colours = _meridian(source, sun, step if name == "simulated" else None)
             for row in range(2):
                 panels[row, number].plot(degrees, colours[:, row], label=name, **LINES[name])
-        panels[0, number].set_title(f"T = {turbidity:g}, sun at {np.degrees(sun):.0f}°")
+        panels[0, number].set_title(f"turbidity {turbidity:g}, {style.sun_at(sun)}")
         for row in range(2):
             panels[row, number].axvline(np.degrees(sun), color="0.6", linewidth=0.8, zorder=0)
     _label_meridian(panels, None)
-    panels[0, 0].set_ylabel("chromaticity x")
-    panels[1, 0].set_ylabel("chromaticity y")
+    panels[0, 0].set_ylabel("chromaticity x [1]")
+    panels[1, 0].set_ylabel("chromaticity y [1]")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
@@ -73,7 +73,7 @@ def zenith_chart(
         suns: Simulated zenith angles of the sun [rad].
         fine: Those at which models are drawn [rad].
     """
-    figure = style.new_figure(2.5 * len(sources), 5.6)
+    figure = style.new_figure(2.5 * len(sources), 6.0)
     panels = figure.subplots(3, len(sources), sharex=True, sharey="row", squeeze=False)
     up = np.zeros(1)
     for column, (turbidity, kinds) in enumerate(sources.items()):
@@ -83,13 +83,13 @@ def zenith_chart(
             for row, channel in enumerate((2, 0, 1)):
                 values = colours[:, channel] / (1e3 if channel == 2 else 1)
                 panels[row, column].plot(np.degrees(at), values, label=name, **LINES[name])
-        panels[0, column].set_title(f"T = {turbidity:g}")
+        panels[0, column].set_title(f"turbidity {turbidity:g}")
         panels[2, column].set_xlabel("sun zenith angle [°]")
     panels[0, 0].set_yscale("log")
     style.plain_log(panels[0, 0].yaxis)
     panels[0, 0].set_ylabel("zenith luminance [kcd m$^{-2}$]")
-    panels[1, 0].set_ylabel("zenith chromaticity x")
-    panels[2, 0].set_ylabel("zenith chromaticity y")
+    panels[1, 0].set_ylabel("zenith chromaticity x [1]")
+    panels[2, 0].set_ylabel("zenith chromaticity y [1]")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 

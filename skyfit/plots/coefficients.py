@@ -52,7 +52,7 @@ def coefficient_chart(fit: SkyFit) -> Figure:
             if row == 0:
                 panel.set_title(letter)
             if column == 0:
-                panel.set_ylabel(f"coefficient, {channel}")
+                panel.set_ylabel(f"coefficient of {channel} [1]")
             if row == len(CHANNELS) - 1:
                 panel.set_xlabel(fit.parameter_name.replace("_", " "))
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)

@@ -81,7 +81,7 @@ def _map(view, turn, values, norm, colours, sun_zenith, title, label) -> Figure:
             where = ([0.0], [np.degrees(sun_zenith)])
             panel.plot(*where, "o", markersize=7, markerfacecolor="none", color="w", mew=2.2)
             panel.plot(*where, "o", markersize=7, markerfacecolor="none", color="k", mew=1.0)
-        panel.set_title(title or f"sun at {np.degrees(sun_zenith):.0f}° from the zenith")
+        panel.set_title(title or style.sun_at(sun_zenith))
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=panel, shrink=0.85, pad=0.1)
         bar.set_label(label)
         style.plain_log(bar.ax.yaxis)

@@ -16,14 +16,16 @@ from .skies import Source, fisheye_directions
 PIXELS = 240
 
 
-def dome_gallery(sources: Mapping[str, Source], suns: Sequence[float]) -> Figure:
+def dome_gallery(sources: Mapping[str, Source], turbidity: float, suns: Sequence[float]) -> Figure:
     """Skies side by side: luminance in false colour, and as an eye might see them.
 
     Args:
         sources: A row each, by name.
+        turbidity: Of all of them.
         suns: Zenith angles, two columns each [rad].
     """
-    figure = style.new_figure(2.0 * 2 * len(suns) + 0.6, 2.15 * len(sources) + 0.5)
+    figure = style.new_figure(2.0 * 2 * len(suns) + 0.6, 2.15 * len(sources) + 0.8)
+    figure.suptitle(f"turbidity {turbidity:g}", fontsize=11)
     panels = figure.subplots(len(sources), 2 * len(suns), squeeze=False)
     for number, sun in enumerate(suns):
         colours = {name: fisheye(source, sun) for name, source in sources.items()}
@@ -41,27 +43,34 @@ def dome_gallery(sources: Mapping[str, Source], suns: Sequence[float]) -> Figure
                 _as_dome(panel, sun)
             if number == 0:
                 false[row].set_ylabel(name)
-        false[0].set_title(f"sun at {np.degrees(sun):.0f}°: luminance")
-        real[0].set_title("sRGB")
+        where = style.sun_at(sun)
+        false[0].set_title(f"{where}\nluminance")
+        real[0].set_title(f"{where}\nsRGB")
         shown = ScalarMappable(norm, style.LUMINANCE_MAP)
-        bar = figure.colorbar(shown, ax=list(false), location="bottom", shrink=0.9)
+        bar = figure.colorbar(shown, ax=list(false), location="bottom", shrink=0.9, extend="both")
         bar.set_label("luminance [kcd m$^{-2}$]")
         style.plain_log(bar.ax.xaxis)
     return figure
 
 
 def error_maps(
-    truth: Source, models: Mapping[str, Source], suns: Sequence[float], bound: float
+    truth: Source,
+    models: Mapping[str, Source],
+    turbidity: float,
+    suns: Sequence[float],
+    bound: float,
 ) -> Figure:
     """How far models are from the simulated luminance, over the dome.
 
     Args:
         truth: The simulation.
         models: A row each, by name.
+        turbidity: Of all of them.
         suns: Zenith angles, a column each [rad].
         bound: Upper end of the colour scale; its inverse is the lower end [1].
     """
-    figure = style.new_figure(2.1 * len(suns) + 1.0, 2.2 * len(models) + 0.2)
+    figure = style.new_figure(2.1 * len(suns) + 1.0, 2.2 * len(models) + 0.5)
+    figure.suptitle(f"turbidity {turbidity:g}", fontsize=11)
     panels = figure.subplots(len(models), len(suns), squeeze=False)
     norm = LogNorm(1 / bound, bound)
     for column, sun in enumerate(suns):
@@ -72,14 +81,14 @@ def error_maps(
             panel.imshow(ratio, norm=norm, cmap=style.ERROR_MAP, extent=(-1, 1, -1, 1))
             _as_dome(panel, sun)
             rms = np.sqrt(np.nanmean((ratio - 1) ** 2))
-            panel.set_xlabel(f"RMS error {100 * rms:.0f} %")
+            panel.set_xlabel(f"RMS {100 * rms:.0f} %")
             if row == 0:
-                panel.set_title(f"sun at {np.degrees(sun):.0f}°")
+                panel.set_title(style.sun_at(sun))
             if column == 0:
                 panel.set_ylabel(name)
     shown = ScalarMappable(norm, style.ERROR_MAP)
     bar = figure.colorbar(shown, ax=list(panels.ravel()), extend="both", shrink=0.8)
-    bar.set_label("luminance, model over simulation")
+    bar.set_label("luminance, model over simulation [1]")
     style.plain_log(bar.ax.yaxis)
     return figure
 

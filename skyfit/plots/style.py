@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -54,6 +55,11 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def sun_at(sun_zenith: float) -> str:
+    """Where the sun is, for titles; from its zenith angle [rad]."""
+    return f"sun {np.degrees(sun_zenith):.0f}° from the zenith"
 
 
 def plain_log(axis: Axis) -> None:

@@ -14,7 +14,7 @@ from ..plots.coefficients import coefficient_chart
 from ..plots.domes import dome_gallery, error_maps
 from ..plots.skies import Source, modelled, simulated
 from ..render.half_dome import grid_axes
-from .reality import Reality
+from .reality import TURBIDITY, Reality
 from .reality_chart import reality_chart
 
 
@@ -44,6 +44,7 @@ def draw_pictures(
     sources = {t: _sources(dataset, fit, t) for t in turbidities}
     suns = dataset["sun_zenith"].values
     chosen = [float(suns[k]) for k in _spread(suns.size, 3)]
+    angles = ", ".join(f"{np.degrees(sun):.0f}°" for sun in chosen)
     middle = turbidities[len(turbidities) // 2]
     clear = turbidities[len(turbidities) // 3]
     few = sorted({turbidities[0], middle, turbidities[-1]})
@@ -67,14 +68,16 @@ def draw_pictures(
             f"Chromaticity through the sun and the zenith at turbidity {middle:g}.",
         ),
         "domes": (
-            lambda: dome_gallery(sources[clear], chosen),
-            f"Whole skies at turbidity {clear:g}, the zenith in the middle, the sun's side up. "
-            "Each sun has its own scale and exposure, the same for the three skies.",
+            lambda: dome_gallery(sources[clear], clear, chosen),
+            f"Whole skies at turbidity {clear:g}, the sun {angles} from the zenith. The zenith is "
+            "in the middle, the sun's side up; the circle is the sun. Each sun has its own scale "
+            "and exposure, the same for the three skies.",
         ),
         "error_maps": (
-            lambda: error_maps(truth, models, chosen, ERROR_SCALE),
-            f"Luminance of refit and published model over the simulated, turbidity {clear:g}. The "
-            "fit leaves out the last 5° above the horizon.",
+            lambda: error_maps(truth, models, clear, chosen, ERROR_SCALE),
+            f"Luminance of refit and published model over the simulated at turbidity {clear:g}, "
+            "laid out as above; below each its root mean square error. The fit leaves out the last "
+            "5° above the horizon.",
         ),
         "zenith": (
             lambda: zenith_chart({t: sources[t] for t in few}, suns, fine),
@@ -82,8 +85,9 @@ def draw_pictures(
         ),
         "cornell": (
             lambda: reality_chart(reality),
-            "Measured skies: luminance in each direction under the lowest sun, mean spectrum over "
-            "directions and times, error over the day.",
+            "Measured skies (Kider et al. 2014): luminance in each direction under the lowest sun, "
+            "its side up, rings at zenith angles; mean spectrum over directions and times; error "
+            f"over the day. Models at turbidity {TURBIDITY:g}, the refit at its nearest.",
         ),
     }
     pictures = {}

@@ -17,7 +17,7 @@ def reality_chart(reality: Reality) -> Figure:
     """Measured and modelled domes at one time, mean spectra, and errors over the day."""
     skies = {"measured": reality.measured} | reality.modelled
     time = int(np.argmax(reality.skies["sun_zenith"].values))
-    figure = style.new_figure(2.5 * len(skies), 5.6)
+    figure = style.new_figure(2.5 * len(skies), 6.0)
     upper, lower = (figure.add_subfigure(row) for row in figure.add_gridspec(2, 1))
     _domes(upper, reality, skies, time)
     spectra, errors = lower.subplots(1, 2)
@@ -34,6 +34,7 @@ def reality_chart(reality: Reality) -> Figure:
     errors.set_xlabel("local daylight time [h]")
     errors.set_ylabel("RMSE [mW m$^{-2}$ sr$^{-1}$ nm$^{-1}$]")
     errors.set_ylim(bottom=0)
+    errors.legend()
     return figure
 
 
@@ -44,17 +45,23 @@ def _domes(figure: SubFigure, reality: Reality, skies: dict[str, np.ndarray], ti
     norm = LogNorm(everything.min(), everything.max())
     zenith = np.degrees(reality.skies["view_zenith"].values)
     azimuth = reality.skies["relative_azimuth"].values[time]
-    sun = float(np.degrees(reality.skies["sun_zenith"].values[time]))
+    sun = float(reality.skies["sun_zenith"].values[time])
+    minutes = int(reality.skies["local_time"].values[time])
+    clock = f"{minutes // 60}:{minutes % 60:02d}"
+    figure.suptitle(f"Ithaca, 27 May 2013, {clock}, {style.sun_at(sun)}", fontsize=11)
     for panel, (name, values) in zip(panels, colours.items(), strict=True):
         panel.scatter(
             azimuth, zenith, c=values, norm=norm, cmap=style.LUMINANCE_MAP, s=42, linewidths=0
         )
-        panel.plot([0], [sun], marker="o", markersize=7, markerfacecolor="none", color="k")
+        panel.plot(
+            [0], [np.degrees(sun)], marker="o", markersize=7, markerfacecolor="none", color="k"
+        )
         panel.set_axisbelow(True)
         panel.set_theta_zero_location("N")
         panel.set_rlim(0, 90)
         panel.set_xticklabels([])
-        panel.set_yticks([30, 60, 90], labels=["30°", "60°", ""], fontsize=6.5)
+        panel.set_yticks([30, 60, 90], labels=["30°", "60°", "90°"], fontsize=6.5)
+        panel.set_rlabel_position(-75)  # where no direction was measured
         panel.set_title(name)
     bar = figure.colorbar(
         ScalarMappable(norm, style.LUMINANCE_MAP), ax=list(panels), shrink=0.8, pad=0.02
