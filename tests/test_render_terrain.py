@@ -18,7 +18,8 @@ from skyfit.render import (
     load_source,
 )
 from skyfit.render.cameras import direction_of
-from skyfit.render.elevation import Elevation, load_elevation, sample_elevation
+from skyfit.render.elevation import Elevation
+from skyfit.render.elevation_files import sample_elevation
 from skyfit.render.horizon_scan import meet, scan
 from skyfit.render.land_light import horizon_rise, sky_view, sun_share
 from skyfit.render.terrain import render_terrain
@@ -178,26 +179,6 @@ def test_the_sky_above_the_land_is_the_sources(published, plain):
     )
     expected = published.model.rgb(0.7, math.pi / 2 - 0.5, 1.0 - 3.0)
     assert picture.rgb[3:5, 3:5].mean(axis=(0, 1)) == pytest.approx(np.asarray(expected), rel=2e-3)
-
-
-def test_files_of_heights_are_read_and_refused(tmp_path):
-    rows = np.arange(12.0).reshape(3, 4)
-    np.savez(tmp_path / "land.npz", elevation=rows, dx=10.0, dy=20.0)
-    land = load_elevation(tmp_path / "land.npz")
-    assert land.size == (30.0, 40.0)
-    # The first row of a file is the northern one.
-    assert float(land.at(jnp.float32(0.0), jnp.float32(40.0))) == 0
-    np.savez(tmp_path / "bad.npz", elevation=rows)
-    with pytest.raises(ValueError, match=r"bad.npz: dx is missing"):
-        load_elevation(tmp_path / "bad.npz")
-    with pytest.raises(ValueError, match=r"expected a name ending in .npz, .tif or .tiff"):
-        load_elevation(tmp_path / "land.png")
-    with pytest.raises(ValueError, match="expected finite heights"):
-        Elevation(np.full((3, 3), np.nan), 1.0, 1.0)
-    with pytest.raises(ValueError, match="expected 3 x 3 heights or more"):
-        Elevation(np.zeros((2, 3)), 1.0, 1.0)
-    with pytest.raises(ValueError, match="expected a step above 0 m; got -1"):
-        Elevation(np.zeros((3, 3)), -1.0, 1.0)
 
 
 def test_impossible_samples_are_refused(published, plain):

@@ -13,8 +13,8 @@ from .cameras import (
     Panorama as Panorama,
     Perspective as Perspective,
 )
-from .elevation import (
-    Elevation as Elevation,
+from .elevation import Elevation as Elevation
+from .elevation_files import (
     load_elevation as load_elevation,
     sample_elevation as sample_elevation,
 )

@@ -1,7 +1,4 @@
-"""Elevation models: heights on a grid, read between its nodes, and where they come from."""
-
-from os import PathLike
-from pathlib import Path
+"""Elevation models: heights on a grid, read between its nodes."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -9,7 +6,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
-from ..constants import EARTH_RADIUS
 
 
 class Elevation(eqx.Module):
@@ -90,65 +86,3 @@ def _mirror(place, count):
     turned = place - period * jnp.floor(place / period)
     back = turned > count - 1
     return jnp.where(back, period - turned, turned), jnp.where(back, -1.0, 1.0)
-
-
-def sample_elevation() -> Elevation:
-    """Hills near Jacksboro, Tennessee: 32 by 30 km, 236 to 1076 m, every 3 arc seconds.
-
-    The sample that comes with matplotlib: `jacksboro_fault_dem.npz`, from the Shuttle Radar
-    Topography Mission, public domain.
-    """
-    from matplotlib import get_data_path
-
-    with np.load(Path(get_data_path()) / "sample_data" / "jacksboro_fault_dem.npz") as data:
-        return _geographic(data["elevation"], float(data["dy"]), float(data["dx"]),
-                           0.5 * (float(data["ymin"]) + float(data["ymax"])))  # fmt: skip
-
-
-def load_elevation(path: str | PathLike[str]) -> Elevation:
-    """Read an elevation model.
-
-    Args:
-        path: A GeoTIFF (.tif, .tiff; needs the extra `geotiff`), in degrees or in metres, or a
-            .npz with `elevation` [row, column] from north to south and the steps `dx` and `dy` [m].
-
-    Raises:
-        ValueError: Another ending, or the file lacks something.
-    """
-    path = Path(path)
-    if path.suffix == ".npz":
-        with np.load(path, allow_pickle=False) as data:
-            for needed in ("elevation", "dx", "dy"):
-                if needed not in data.files:
-                    raise ValueError(f"{path}: {needed} is missing")
-            return Elevation(
-                data["elevation"][::-1].astype(float), float(data["dy"]), float(data["dx"])
-            )
-    if path.suffix in (".tif", ".tiff"):
-        return _geotiff(path)
-    raise ValueError(f"{path}: expected a name ending in .npz, .tif or .tiff")
-
-
-def _geotiff(path: Path) -> Elevation:
-    try:
-        import rasterio  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise ValueError(
-            f"{path}: a GeoTIFF needs rasterio: pip install 'skyfit[geotiff]'"
-        ) from None
-    if not path.exists():
-        raise ValueError(f"{path}: not found")
-    with rasterio.open(path) as data:
-        heights = data.read(1, masked=True).astype(float).filled(np.nan)
-        east, north = abs(data.transform.a), abs(data.transform.e)
-        if data.crs is not None and data.crs.is_geographic:
-            middle = data.transform.f + 0.5 * data.transform.e * data.height
-            return _geographic(heights, north, east, middle)
-    return Elevation(heights[::-1], north, east)
-
-
-def _geographic(heights: np.ndarray, north: float, east: float, latitude: float) -> Elevation:
-    """From steps in degrees, rows from north to south."""
-    degree = np.radians(1.0) * EARTH_RADIUS
-    wide = east * degree * float(np.cos(np.radians(latitude)))
-    return Elevation(heights[::-1].astype(float), float(north * degree), wide)
