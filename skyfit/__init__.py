@@ -42,7 +42,9 @@ if TYPE_CHECKING:
     from .fitting import (
         Dependence as Dependence,
         FormulaFit as FormulaFit,
+        Sensitivity as Sensitivity,
         SkyFit as SkyFit,
+        coefficient_sensitivity as coefficient_sensitivity,
         colour_claim as colour_claim,
         compare_weights as compare_weights,
         fit_sky as fit_sky,
@@ -105,7 +107,9 @@ _NAMES = {
     "fitting": (
         "Dependence",
         "FormulaFit",
+        "Sensitivity",
         "SkyFit",
+        "coefficient_sensitivity",
         "colour_claim",
         "compare_weights",
         "fit_sky",

@@ -1,6 +1,6 @@
 """Fits of a distribution to skies: residuals, and Levenberg-Marquardt over a batch of fits."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -110,8 +110,7 @@ def solve_shapes(
         rtol: Relative decrease of the loss below which a fit has converged.
         max_steps: The batch waits for its slowest lane up to here.
     """
-    # Least norm, where a direction of the coefficients is not identified at all.
-    adjoint = optx.ImplicitAdjoint(linear_solver=_least_norm())
+    adjoint = optx.ImplicitAdjoint(linear_solver=least_norm())
     solver = NormalEquationsLM(rtol=rtol, atol=float(jnp.finfo(start.dtype).eps))
 
     def one(problem, start):
@@ -131,7 +130,8 @@ def solve_shapes(
     return jax.vmap(one)(problem, start)
 
 
-def _least_norm():
+def least_norm() -> Any:
+    """Linear solver for adjoints, since a direction may not be identified at all."""
     import lineax as lx
 
     return lx.SVD()

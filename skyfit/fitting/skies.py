@@ -27,7 +27,7 @@ WEIGHTS, RESIDUALS = get_args(Weights), get_args(Residuals)
 VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
 # Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
 SUN_DIMENSIONS = ("sun_zenith", "time")
-_ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
+ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ def zenith_values(
     view: Float[np.ndarray, "sky direction"], values: Float[np.ndarray, "channel sky direction"]
 ) -> Float[np.ndarray, "channel sky"] | None:
     """Mean of the directions at the zenith, if every sky has one."""
-    at = view <= _ZENITH
+    at = view <= ZENITH
     if not at.any(axis=1).all():
         return None
     return (values * at).sum(axis=-1) / at.sum(axis=-1)
