@@ -18,3 +18,14 @@ def float32():
     """A program that never switched float64 on."""
     with jax.enable_x64(False):
         yield
+
+
+@pytest.fixture(autouse=True, scope="module")
+def programs_end_with_their_file():
+    """Drop compiled programs after each file.
+
+    Each holds a dozen memory mappings, and Linux grants a process 65 530: a worker that kept the
+    whole suite's programs would be aborted.
+    """
+    yield
+    jax.clear_caches()

@@ -100,7 +100,7 @@ def _interpolate(table, position):
     first, weights = _cubic(position, table.shape[0])
     total = jnp.zeros((*position.shape, table.shape[-1]), table.dtype)
     for k, weight in enumerate(weights):
-        total = total + weight[..., None] * table[first + k]
+        total = total + weight[..., None] * _rows(table, first + k)
     return total
 
 
@@ -113,5 +113,10 @@ def _interpolate2(table, row, column):
     for i, wi in enumerate(row_weights):
         start = (first_row + i) * columns + first_column
         for j, wj in enumerate(column_weights):
-            total = total + (wi * wj)[..., None] * flat[start + j]
+            total = total + (wi * wj)[..., None] * _rows(flat, start + j)
     return total
+
+
+def _rows(table, index):
+    """Rows of a table at indices known to lie in it."""
+    return table.at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)

@@ -18,7 +18,7 @@ from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
-from .paths import Kind, Leg, column_along, legs, rising_leg, sample
+from .paths import Kind, Leg, both_legs, rising_leg, sample
 from .quadrature import lagrange_weights
 from .quality import Quality
 
@@ -132,11 +132,15 @@ def gather(
     if kind == "rising":
         leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
         return sent_along(leg, jnp.zeros_like(leg.length), none, none, missed)
-    falling, rising, strikes = legs(medium.planet, ray.altitude, ray.mu, farthest)
-    start = jnp.maximum(falling.length - farthest, 0.0)
-    column = column_along(medium, falling, start, falling.length)
-    below = sent_along(falling, start, none, column, strikes)
-    return below + sent_along(rising, jnp.zeros_like(rising.length), column, none, missed)
+    both, start, column, strikes = both_legs(medium, ray, farthest)
+    light = jax.vmap(sent_along)(
+        both,
+        start,
+        jnp.stack([none, column]),
+        jnp.stack([column, none]),
+        jnp.stack([strikes, missed]),
+    )
+    return jnp.sum(light, axis=0)
 
 
 def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Field:

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
-from .geometry import AbstractPlanet
+from .geometry import AbstractPlanet, Ray
 from .medium import Medium
 from .quadrature import gauss, legendre_moments, polynomial_fit
 
@@ -193,6 +193,27 @@ def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[
         density = medium.density_in_shells(share)
         total = total + jnp.sum(float(w) * width[None, :] * density, axis=1)
     return total
+
+
+def both_legs(
+    medium: Medium, ray: Ray, farthest: Scalar
+) -> tuple[Leg, Float[Array, " 2"], Float[Array, " species"], Bool[Array, ""]]:
+    """The legs of any ray side by side, to go through one compiled program.
+
+    Args:
+        medium: What the ray crosses.
+        ray: From inside the atmosphere.
+        farthest: No leg is looked at from farther [m]; see `Medium.sight`.
+
+    Returns:
+        The falling and the rising leg; where each begins to matter, from its lowest point [m]; the
+        column along the falling one [m]; whether it ends at the ground.
+    """
+    falling, rising, strikes = legs(medium.planet, ray.altitude, ray.mu, farthest)
+    start = jnp.maximum(falling.length - farthest, 0.0)
+    column = column_along(medium, falling, start, falling.length)
+    both = jax.tree.map(lambda *parts: jnp.stack(parts), falling, rising)
+    return both, jnp.stack([start, jnp.zeros_like(start)]), column, strikes
 
 
 def _in_panels(edges: Float[Array, " edge"], count: int):

@@ -157,6 +157,8 @@ def _simulate(
             return field, look(field)
 
         second = look(field)
+        if count == 2:
+            return jnp.stack([first, second])
         _, later = jax.lax.scan(step, field.up_to(quality.higher.degree), length=count - 2)
         return jnp.concatenate([first[None], second[None], later])
 

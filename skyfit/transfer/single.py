@@ -4,6 +4,9 @@ L₁ = E Σ_i p_i(γ) β_i ∫ ρ_i(s) exp(-τ_eye(s) - τ_sun(s)) ds + ground; 
 outside since the angle γ to the sun is the same all along a straight ray.
 """
 
+from functools import partial
+
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -11,7 +14,7 @@ from .._typing import Scalar
 from .columns import SunColumns
 from .geometry import Ray, SunDirection
 from .medium import Medium
-from .paths import Kind, Leg, column_along, legs, rising_leg, sample
+from .paths import Kind, Leg, both_legs, column_along, rising_leg, sample
 
 
 def sunlight_at(
@@ -114,22 +117,22 @@ def first_order(
         )
         low, high = jnp.minimum(a, b), jnp.maximum(a, b)
         # The far stretch of a rising leg is seen through all below it; of a falling one, directly.
-        inner = column_along(medium, leg, start, high)
-        outer = column_along(medium, leg, low, leg.length)
+        starts, ends = jnp.stack([start, low]), jnp.stack([high, leg.length])
+        inner, outer = jax.vmap(partial(column_along, medium, leg))(starts, ends)
         rises = leg.sign > 0
         near = offset + jnp.where(rises, 0.0, outer)
         far = offset + jnp.where(rises, inner, 0.0)
-        return light_from(start, low, near) + light_from(high, leg.length, far)
+        # Both stretches go through one compiled program.
+        starts, ends = jnp.stack([start, high]), jnp.stack([low, leg.length])
+        return jnp.sum(jax.vmap(light_from)(starts, ends, jnp.stack([near, far])), axis=0)
 
     none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
     if kind == "rising":
         leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
         scattered = light_of(leg, jnp.zeros_like(leg.length), none)
         return scattered, jnp.zeros_like(scattered[0])
-    falling, rising, strikes = legs(medium.planet, ray.altitude, ray.mu, farthest)
-    start = jnp.maximum(falling.length - farthest, 0.0)
-    before = column_along(medium, falling, start, falling.length)
-    scattered = light_of(falling, start, none)
-    scattered = scattered + light_of(rising, jnp.zeros_like(rising.length), before)
-    ground = from_ground(medium, columns, ray, falling.low_distance, before, sun)
+    both, start, before, strikes = both_legs(medium, ray, farthest)
+    offset = jnp.stack([none, before])
+    scattered = jnp.sum(jax.vmap(light_of)(both, start, offset), axis=0)
+    ground = from_ground(medium, columns, ray, both.low_distance[0], before, sun)
     return scattered, jnp.where(strikes, ground, 0.0)

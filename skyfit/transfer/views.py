@@ -70,8 +70,10 @@ def group(
     suns = int(np.prod([full[k] for k in sun_axes], dtype=int))
 
     def arrange(values):
+        # What is known stays known inside a caller's `jit`.
+        xp, values = (jnp, values) if is_traced(values) else (np, np.asarray(values))
         padded = values.reshape((1,) * (rank - values.ndim) + values.shape)
-        return jnp.broadcast_to(padded, full).transpose(axes).reshape(suns, -1)
+        return xp.broadcast_to(padded, full).transpose(axes).reshape(suns, -1)
 
     flat_view, flat_azimuth, flat_altitude = arrange(view), arrange(azimuth), arrange(altitude)
     place = _lines_of_sight(flat_view, flat_altitude)
@@ -82,9 +84,8 @@ def group(
     first[place[starts, 0]] = np.flatnonzero(starts)
     source = np.repeat(first[:, None], outs, axis=1)
     source[place[:, 0], place[:, 1]] = np.arange(len(place))
-    views = Views(
-        sun.reshape(-1), flat_view[:, first], flat_altitude[:, first], flat_azimuth[:, source]
-    )
+    laid_out = flat_view[:, first], flat_altitude[:, first], flat_azimuth[:, source]
+    views = Views(sun.reshape(-1), *map(jnp.asarray, laid_out))
     return views, Shape(place, axes, tuple(full[k] for k in axes))
 
 
