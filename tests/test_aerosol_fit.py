@@ -38,7 +38,7 @@ TRUTH = {
     "ground_scale": 1.5,
 }
 LAM = np.array([400.0, 520.0, 680.0])
-SMALL = Directions(up=4, limb=1, down=2, azimuths=6, degree=5)
+SMALL = Directions(up=4, limb=1, down=2, azimuths=6, degree=5, modes=5)
 COARSE = Quality(10, 16, 12, 4, 6, SMALL, SMALL, 2, (0.0,), 2)
 VIEW = np.radians([0.0, 25.0, 50.0, 75.0, 75.0])
 AZIMUTH = np.radians([[0.0, 40.0, 90.0, 10.0, 180.0], [0.0, 0.0, 60.0, 120.0, 10.0]])

@@ -57,9 +57,10 @@ class Field(eqx.Module):
     moments: Float[Array, "level m l sun wavelength"]
     irradiance: Float[Array, "sun wavelength"]
 
-    def up_to(self, degree: int) -> "Field":
-        """The same without the harmonics beyond a degree."""
-        return Field(self.moments[:, : degree + 1, : degree + 1], self.irradiance)
+    def up_to(self, directions: Directions) -> "Field":
+        """The same without the harmonics beyond what some directions resolve."""
+        modes, degree = directions.modes, directions.degree
+        return Field(self.moments[:, : modes + 1, : degree + 1], self.irradiance)
 
 
 def make_grid(
@@ -94,13 +95,14 @@ def project(
     mu: Float[Array, " ray"],
     weight: Float[Array, " ray"],
     light: Float[Array, "ray azimuth sun wavelength"],
-    degree: int,
+    directions: Directions,
 ) -> tuple[Float[Array, "m l sun wavelength"], Float[Array, "sun wavelength"]]:
     """Moments of the light at one level, and its downward irradiance."""
     count = grid.cos_azimuth.shape[0]
-    modes = cosines(degree, grid.cos_azimuth) / count
+    degree, order = directions.degree, directions.modes
+    modes = cosines(order, grid.cos_azimuth) / count
     by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
-    polynomials = legendre(degree, degree, mu, safe_sqrt(1 - mu**2)) * weight[None, None, :]
+    polynomials = legendre(degree, order, mu, safe_sqrt(1 - mu**2)) * weight[None, None, :]
     moments = jnp.einsum("mlr,mrsw->mlsw", polynomials, by_mode)
     downward = weight * jnp.maximum(mu, 0.0)
     return moments, jnp.einsum("r,rsw->sw", downward, by_mode[0])
@@ -151,7 +153,7 @@ def first_field(
         for number, one in enumerate(medium.atmosphere.constituents):
             here = jnp.einsum("an,rnsw->rasw", spread, strength[..., number, :])
             light = light + one.phase.spectral(cos_gamma) * here
-        return project(grid, mu, weight, light, quality.first.degree)
+        return project(grid, mu, weight, light, quality.first)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

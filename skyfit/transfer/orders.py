@@ -82,20 +82,20 @@ def send(
         Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
     """
     extinction = medium.atmosphere.extinction
-    order = max(part.shape[1] for part in source.scattered) - 1
+    order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
     path = sample(medium, leg, start, leg.length, nodes)
     arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
     near = lagrange_weights(grid.altitude, path.altitude)
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
     sine = medium.planet.sine_at_level(ray, grid.altitude)
-    harmonics = legendre(order, order, crossing, sine)
+    harmonics = legendre(degree, order, crossing, sine)
     levels, suns, wavelengths = crossing.size, *source.ground.shape
     sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
     for number, part in enumerate(source.scattered):
         weight = jnp.einsum("n,nw,nk->kw", path.weight[:, number], arriving, near)
-        top = part.shape[1]
-        here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:top, :top], part)
-        sent = sent.at[:, :top].add(weight[:, None, None, :] * here)
+        modes, degrees = part.shape[1:3]
+        here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:modes, :degrees], part)
+        sent = sent.at[:, :modes].add(weight[:, None, None, :] * here)
     through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
     sent = sent.at[0, 0].add(through[None, :] * source.ground)
     turn = medium.planet.turn_sun
@@ -164,7 +164,7 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
-        return project(grid, mu, weight, light, quality.higher.degree)
+        return project(grid, mu, weight, light, quality.higher)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

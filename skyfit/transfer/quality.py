@@ -12,6 +12,7 @@ class Directions(NamedTuple):
         down: Below the horizon.
         azimuths: In half a turn.
         degree: Highest degree of the spherical harmonics.
+        modes: Highest azimuthal mode, cos(mφ), of the spherical harmonics.
     """
 
     up: int
@@ -19,6 +20,7 @@ class Directions(NamedTuple):
     down: int
     azimuths: int
     degree: int
+    modes: int
 
 
 class Quality(NamedTuple):
@@ -65,8 +67,8 @@ QUALITIES = {
         column_angles=48,
         levels=10,
         field_nodes=12,
-        first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14),
-        higher=Directions(up=8, limb=2, down=4, azimuths=10, degree=8),
+        first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14, modes=12),
+        higher=Directions(up=8, limb=2, down=4, azimuths=7, degree=8, modes=5),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
         orders=5,
@@ -77,8 +79,8 @@ QUALITIES = {
         column_angles=64,
         levels=16,
         field_nodes=16,
-        first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26),
-        higher=Directions(up=10, limb=3, down=6, azimuths=20, degree=18),
+        first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26, modes=16),
+        higher=Directions(up=10, limb=3, down=6, azimuths=8, degree=18, modes=6),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
         orders=8,
@@ -89,8 +91,8 @@ QUALITIES = {
         column_angles=128,
         levels=28,
         field_nodes=24,
-        first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44),
-        higher=Directions(up=18, limb=4, down=10, azimuths=32, degree=30),
+        first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44, modes=32),
+        higher=Directions(up=18, limb=4, down=10, azimuths=14, degree=30, modes=12),
         sun_azimuths=4,
         sun_offsets_deg=(-8.0, -3.0, -1.0, 0.0, 1.0, 3.0, 8.0),
         orders=12,

@@ -159,7 +159,7 @@ def _simulate(
         second = look(field)
         if count == 2:
             return jnp.stack([first, second])
-        _, later = jax.lax.scan(step, field.up_to(quality.higher.degree), length=count - 2)
+        _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
         return jnp.concatenate([first[None], second[None], later])
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
