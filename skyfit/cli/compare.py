@@ -50,13 +50,15 @@ def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
     for head in heads:
         table.add_column(head, justify="right", no_wrap=True)
     for row in rows:
-        luminances = [_thousands(value) for value in row["luminance"].values()]
+        # A number without a unit is not a thousandth of anything.
+        unit = 1.0 if row["white"] else 1000.0
+        luminances = [_short(value / unit) for value in row["luminance"].values()]
         ratio = row["sun_side_ratio"]
         table.add_row(
-            f"{row['model']}{' *' if row['outside'] else ''}",
+            f"{row['model']}{' †' if row['white'] else ''}{' *' if row['outside'] else ''}",
             *luminances,
             "" if ratio is None else f"{ratio:.2f}",
-            _thousands(row["diffuse_illuminance"]),
+            _short(row["diffuse_illuminance"] / unit),
             *(f"{x:.3f} {y:.3f}" for x, y in row["chromaticity"].values()),
         )
     # As wide as the table, whatever it is printed to.
@@ -67,9 +69,11 @@ def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
         terminal.print(line.rstrip())
     terminal.print("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
     for row in rows:
+        if row["white"]:
+            terminal.print(f"† In units of {row['white']}.")
         if row["outside"]:
             terminal.print(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
 
 
-def _thousands(value: float) -> str:
-    return f"{value / 1000:#.3g}".rstrip(".")
+def _short(value: float) -> str:
+    return f"{value:#.3g}".rstrip(".")

@@ -46,7 +46,7 @@ def compare_skies(
         side, aside and opposite, and at 85° aside, the `horizon`; `sun_side_ratio`, that of the sun
         side to the opposite; `chromaticity` of the zenith and the horizon; `diffuse_illuminance`
         of the ground by the sky alone [lx]; `outside`, the conditions that are out of the model's
-        valid range.
+        valid range; `white`, what counts as luminance 1 where the model knows no cd m⁻², or None.
 
     Raises:
         ValueError: A sun or turbidity out of range, or a fit of something else than turbidity.
@@ -91,6 +91,7 @@ def _row(entry: Entry, at: Conditions) -> dict[str, Any]:
         "chromaticity": {name: [x[name], y[name]] for name in ("zenith", "horizon")},
         "diffuse_illuminance": float(weights @ colours[len(VIEWS) :, 2]),
         "outside": _outside(sky, at),
+        "white": entry.white or None,
     }
 
 

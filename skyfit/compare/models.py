@@ -17,6 +17,7 @@ from ..models import (
     cie_general_sky,
     cie_intermediate_sky,
     cie_overcast_sky,
+    day_sky,
     hoffman_preetham_sky,
     overcast_blend_sky,
     perez_clear_sky,
@@ -59,11 +60,13 @@ class Entry:
         name: What the row is called.
         sky: Makes the model for the conditions; its `valid_range`, if it has one, is heeded.
         package: What must be installed beside skyfit, if anything.
+        white: What counts as luminance 1, in words, for a model that knows no cd/m².
     """
 
     name: str
     sky: Callable[[Conditions], HasColour]
     package: str = ""
+    white: str = ""
 
 
 # The simulation is by draft quality and 20 nm, within 1 or 2 % of the converged one.
@@ -98,6 +101,11 @@ MODELS = (
     Entry("simulated, all orders", lambda at: SimulatedSky(at.turbidity, None)),
     Entry("refit of the paper's form", lambda at: paper_refit().sky(turbidity=at.turbidity)),
     Entry("Preetham 1999, published", lambda at: preetham_sky(at.turbidity)),
+    Entry(
+        "Preetham for a screen, DAY",
+        lambda at: day_sky(at.turbidity),
+        white="the published zenith's luminance under an overhead sun",
+    ),
     Entry("Hoffman & Preetham 2002", lambda at: hoffman_preetham_sky(at.turbidity)),
     Entry("Nishita 1993, 16 × 8 steps", lambda at: scs_sky()),
     Entry("Hosek–Wilkie 2012", lambda at: HosekWilkieSky(at.turbidity), package="mitsuba"),
