@@ -47,16 +47,18 @@ class EvenSky(AbstractSource):
         return self.source.sun_xyz(sun_zenith)
 
 
-def landscape(source, sun, looking, air="paper", sun_disc=True):
+def landscape(
+    source, sun, looking, air="paper", sun_disc=True, eye=EYE, above=120.0, pitch=-5, shafts=False
+):
     """The hills of the sample under a sun [degree]."""
     zenith, azimuth = np.radians(sun)
     camera = Perspective(
-        SIZE, SIZE * 3 // 4, np.radians(looking), np.radians(-5), np.radians(55), 120.0
+        SIZE, SIZE * 3 // 4, np.radians(looking), np.radians(pitch), np.radians(55), above
     )
     return render_terrain(
-        source, sample_elevation(), camera, EYE, zenith, azimuth,
+        source, sample_elevation(), camera, eye, zenith, azimuth,
         air_before(source, zenith, air, sunlight=sun_disc),
-        samples=SAMPLES, sun_disc=sun_disc,
+        samples=SAMPLES, sun_disc=sun_disc, shafts=shafts,
     )  # fmt: skip
 
 
@@ -104,6 +106,22 @@ def with_and_without():
     }
     bright = [pictures[name].exposure() for name in pictures]
     sheet("pictures_aerial", pictures, 2, [bright[1], bright[1], bright[3], bright[3]])
+
+
+def shafts():
+    """Air in the shade of ridges."""
+    valley, pictures = (19088.0, 7770.0), {}
+    for turbidity, zenith, looking, above, pitch in (
+        (4, 80, 275, 150.0, 8),
+        (6, 78, 262, 20.0, 12),
+    ):
+        for cast, what in ((False, "the air all in the sun"), (True, "--shafts")):
+            pictures[f"turbidity {turbidity}, {what}"] = landscape(
+                load_source(None, float(turbidity)), (zenith, 250), looking,
+                eye=valley, above=above, pitch=pitch, shafts=cast,
+            )  # fmt: skip
+    bright = [picture.exposure() for picture in pictures.values()]
+    sheet("pictures_shafts", pictures, 2, [bright[0], bright[0], bright[2], bright[2]])
 
 
 def orientation():
@@ -172,6 +190,7 @@ def charts():
 PICTURES = {
     "landscapes": landscapes,
     "aerial": with_and_without,
+    "shafts": shafts,
     "orientation": orientation,
     "domes": domes,
     "charts": charts,

@@ -44,11 +44,8 @@ class Source(eqx.Module):
         self, view_zenith: Float[Array, "*batch"], relative_azimuth: Float[Array, "*batch"]
     ) -> Float[Array, "*batch species channel"]:
         """Light scattered towards the eye per metre, from the air in a direction."""
-        gamma = view_sun_angle(view_zenith, self.sun_zenith.astype(view_zenith.dtype),
-                               relative_azimuth)  # fmt: skip
-        angles, species, channels = self.sun.shape
-        rows = self.sun.reshape(angles, -1).astype(view_zenith.dtype)
-        total = _linear(rows, _stretch(gamma) * (angles - 1))
+        direct = self.sunlight(view_zenith, relative_azimuth)
+        total = direct.reshape(*view_zenith.shape, -1)
         zeniths, azimuths = self.sky.shape[:2]
         row = view_zenith / np.pi * (zeniths - 1)
         # Azimuth folded to [0, π]: |((φ + π) mod 2π) - π|.
@@ -61,7 +58,19 @@ class Source(eqx.Module):
             start = (first + step) * azimuths + left
             between = flat[start] * (1 - inner)[..., None] + flat[start + 1] * inner[..., None]
             total = total + weight[..., None] * between
-        return total.reshape(*gamma.shape, species, channels)
+        return total.reshape(direct.shape)
+
+    def sunlight(
+        self, view_zenith: Float[Array, "*batch"], relative_azimuth: Float[Array, "*batch"]
+    ) -> Float[Array, "*batch species channel"]:
+        """The part of it that comes straight from the sun."""
+        gamma = view_sun_angle(view_zenith, self.sun_zenith.astype(view_zenith.dtype),
+                               relative_azimuth)  # fmt: skip
+        angles, species, channels = self.sun.shape
+        rows = self.sun.reshape(angles, -1).astype(view_zenith.dtype)
+        return _linear(rows, _stretch(gamma) * (angles - 1)).reshape(
+            *gamma.shape, species, channels
+        )
 
 
 def sky_directions() -> tuple[np.ndarray, np.ndarray]:

@@ -94,6 +94,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
     "--aerial", type=click.Choice(AIRS), default="paper", show_default=True,
     help="Air before the terrain.",
 )  # fmt: skip
+@click.option("--shafts", is_flag=True, help="The terrain shades the air too.")
 @click.option("--samples", type=int, default=16, show_default=True, help="Per pixel of a terrain.")
 @click.option("--overwrite", is_flag=True, help="Replace the picture that is there.")
 @as_json
@@ -108,7 +109,7 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
     given = _radians(options["sun_zenith_deg"])
-    land = _land(options["terrain"], options["view"])
+    land = _land(options["terrain"], options["view"], options["shafts"])
     height = 0.0 if land is not None else options["altitude_m"]
     source = look.load_source(sky, options["turbidity"], given, height)
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
@@ -133,8 +134,10 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     return 0
 
 
-def _land(terrain: Path | None, view: str):
+def _land(terrain: Path | None, view: str, shafts: bool):
     if terrain is None:
+        if shafts:
+            raise click.UsageError("--shafts: only with --terrain")
         return None
     if view != "perspective":
         raise click.UsageError("--terrain: only for --view perspective")
@@ -148,10 +151,12 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
     albedo = source.ground_albedo if albedo is None else albedo
     east, north = options["eye_east_m"], options["eye_north_m"]
     eye = (wide / 2 if east is None else east, deep / 2 if north is None else north)
+    if options["shafts"] and options["aerial"] != "paper":
+        raise click.UsageError("--shafts: only with --aerial paper")
     air = look.air_before(source, zenith, options["aerial"], albedo, sunlight=options["sun_disc"])
     return look.render_terrain(
         source, land, camera, eye, zenith, azimuth, air, albedo=albedo,
-        samples=options["samples"], sun_disc=options["sun_disc"],
+        samples=options["samples"], sun_disc=options["sun_disc"], shafts=options["shafts"],
         progress=lambda done, total: bar("samples", done, total),
     )  # fmt: skip
 

@@ -23,6 +23,11 @@ def coefficient_chart(fit: SkyFit) -> Figure:
     """
     if fit.parameter_name is None:
         raise ValueError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
+    with style.house_style():
+        return _drawn(fit, fit.parameter_name)
+
+
+def _drawn(fit: SkyFit, swept: str) -> Figure:
     figure = style.new_figure(11.0, 5.4)
     panels = figure.subplots(len(CHANNELS), len(COEFFICIENTS), sharex=True)
     low, high = fit.parameter_range or (0.0, 1.0)
@@ -38,7 +43,7 @@ def coefficient_chart(fit: SkyFit) -> Figure:
                 alpha=0.2, linewidth=0, label="± 2 standard errors",
             )  # fmt: skip
             panel.plot(turbidity, line, label="refit, all at once", **style.REFIT)
-            if fit.parameter_name == "turbidity":
+            if swept == "turbidity":
                 numbers = published[MODEL_CHANNELS.index(channel), column]
                 panel.plot(
                     turbidity, np.polyval(numbers, turbidity), label="published", **style.PUBLISHED
@@ -54,7 +59,7 @@ def coefficient_chart(fit: SkyFit) -> Figure:
             if column == 0:
                 panel.set_ylabel(f"coefficient of {channel} [1]")
             if row == len(CHANNELS) - 1:
-                panel.set_xlabel(fit.parameter_name.replace("_", " "))
+                panel.set_xlabel(swept.replace("_", " "))
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 

@@ -18,7 +18,7 @@ _SUN_WIDTH = 0.00465  # tangent of the disc's radius
 _AROUND = 12  # azimuths of the horizon of a place
 
 
-def _reach(elevation: Elevation) -> np.ndarray:
+def shadow_distances(elevation: Elevation) -> np.ndarray:
     """Distances at which land may stand before the light of a place [m]."""
     step = min(float(elevation.east), float(elevation.north))
     return np.geomspace(0.7 * step, _SHADOW_REACH, _SHADOW_STEPS, dtype=np.float32)
@@ -26,7 +26,7 @@ def _reach(elevation: Elevation) -> np.ndarray:
 
 def horizon_rise(elevation: Elevation, azimuth: float) -> Float[Array, "row column"]:
     """Rise over run of the horizon that every node sees in one direction of the compass."""
-    distances = jnp.asarray(_reach(elevation))
+    distances = jnp.asarray(shadow_distances(elevation))
     return _horizon_rise(elevation, jnp.float32(azimuth), distances)
 
 
@@ -57,10 +57,16 @@ def sun_share(
     """
     if sun_zenith >= np.pi / 2:
         return jnp.full(elevation.height.shape, -1e3, jnp.float32)
-    rise = 1 / np.tan(sun_zenith)
+    upper, lower = sun_edges(sun_zenith)
+    gap = jnp.float32(upper) - horizon_rise(elevation, sun_azimuth)
+    return gap / jnp.float32(upper - lower)
+
+
+def sun_edges(sun_zenith: float) -> tuple[float, float]:
+    """Rise over run of the upper and the lower edge of the sun's disc."""
+    rise = 1 / np.tan(max(sun_zenith, 1e-3))
     width = _SUN_WIDTH * (1 + rise**2)
-    gap = jnp.float32(rise + width) - horizon_rise(elevation, sun_azimuth)
-    return gap / jnp.float32(2 * width)
+    return rise + width, rise - width
 
 
 def sky_view(elevation: Elevation) -> Float[Array, "row column"]:

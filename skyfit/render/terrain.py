@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
+from ..aerial import AerialPerspective
 from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
 from .cameras import Perspective, direction_of
@@ -17,8 +18,12 @@ from .elevation import Elevation
 from .horizon_scan import Scan, meet, scan
 from .land_light import harmonics9, sky_view, slope_irradiance, sun_share
 from .picture import Picture, ground_xyz, horizontal_irradiance
+from .shafts import Shadow, cast_shadow, lost_light
 from .sources import AbstractSource
 from .sun_disc import disc_cover
+
+
+_GOLDEN = 0.618034  # multiples of it, less their whole part, are evenly spread
 
 
 @runtime_checkable
@@ -53,6 +58,7 @@ def render_terrain(
     albedo: float = 0.2,
     samples: int = 16,
     sun_disc: bool = True,
+    shafts: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Picture:
     """Make a picture of a landscape.
@@ -71,19 +77,30 @@ def render_terrain(
         albedo: Of the land.
         samples: In each pixel, a square number.
         sun_disc: Sunlight, and the disc itself where it is in view.
+        shafts: Whether land shades the air as well. Such air scatters skylight only; the sky behind
+            it is dimmed by the share of the air's light that is lost. `air` is then a
+            `skyfit.aerial.AerialPerspective`.
         progress: Called as `progress(done, total)`.
 
     Returns:
         The picture, in absolute luminance.
 
     Raises:
-        ValueError: An albedo or a number of samples that cannot be.
+        ValueError: An albedo or a number of samples that cannot be; shafts without such an air.
     """
     side = round(samples**0.5)
     if samples < 1 or side**2 != samples:
         raise ValueError(f"render_terrain(samples=...): expected 1, 4, 9, 16, ...; got {samples}")
     if not 0 <= albedo <= 1:
         raise ValueError(f"render_terrain(albedo=...): expected 0 to 1; got {albedo:.6g}")
+    if shafts and not isinstance(air, AerialPerspective):
+        got = type(air).__name__
+        raise ValueError(f"render_terrain(shafts=...): expected an AerialPerspective; got {got}")
+    shadow = None
+    if shafts and sun_disc and sun_zenith < np.pi / 2:
+        shadow = cast_shadow(elevation, sun_zenith, sun_azimuth)
+    if isinstance(air, eqx.Module):
+        air = jax.tree.map(lambda a: a.astype(jnp.float32), air)
     sun = source.sun_xyz(sun_zenith) if sun_disc else None
     lit = _light(source, elevation, sun_zenith, sun_azimuth, sun, albedo)
     east, north = (jnp.float32(place) for place in eye)
@@ -100,13 +117,13 @@ def render_terrain(
         direction = direction.reshape(-1, 3).astype(np.float32)
         place = _plane_of(direction, planes)
         light, sky = _shade(
-            lit, seen, air, east, north, height, jnp.asarray(direction), jnp.asarray(place),
-            jnp.float32(sun_azimuth),
+            lit, seen, air, shadow, (east, north, height), jnp.asarray(direction),
+            jnp.asarray(place), jnp.float32(sun_azimuth), jnp.float32((0.5 + number * _GOLDEN) % 1),
         )  # fmt: skip
         light, sky = np.array(light), np.asarray(sky)
         if sky.any():
             xyz = source.xyz(direction[sky], sun_zenith, sun_azimuth)
-            light[sky] = (np.asarray(xyz) @ srgb_matrix().T).astype(np.float32)
+            light[sky] *= (np.asarray(xyz) @ srgb_matrix().T).astype(np.float32)
         total += light
         open_sky += sky
         if progress is not None:
@@ -165,8 +182,10 @@ def _plane_of(direction: np.ndarray, planes: np.ndarray) -> np.ndarray:
 
 
 @eqx.filter_jit
-def _shade(lit: _Lit, seen: Scan, air, east, north, height, direction, plane, sun_azimuth):
-    """Light from the land along rays, and which see the sky instead."""
+def _shade(lit: _Lit, seen: Scan, air, shadow: Shadow | None, eye, direction, plane, sun_azimuth,
+           offset):  # fmt: skip
+    """Light along rays that meet land; of the sky's, the share that is left; which see the sky."""
+    east, north, height = eye
 
     def some(rays):
         direction, plane = rays
@@ -177,12 +196,18 @@ def _shade(lit: _Lit, seen: Scan, air, east, north, height, direction, plane, su
         x = east + ground * direction[:, 0] / run
         y = north + ground * direction[:, 1] / run
         light = _land(lit, x, y)
+        left = jnp.ones_like(light)
         if air is not None:
             azimuth = jnp.arctan2(direction[:, 0], direction[:, 1]) - sun_azimuth
             zenith = jnp.arctan2(run, direction[:, 2])
-            through, glow = air.split(ground / run, zenith, azimuth, height)
+            distance = jnp.where(sky, jnp.inf, ground / run)
+            through, glow = air.split(distance, zenith, azimuth, jnp.full_like(run, height))
             light = light * through + glow
-        return light, sky
+            if shadow is not None:
+                meets = jnp.where(sky, jnp.inf, ground)
+                lost = lost_light(air, shadow, eye, direction, meets, sun_azimuth, offset)
+                light, left = light - lost, 1 - lost / jnp.maximum(glow, 1e-9)
+        return jnp.where(sky[:, None], left, light), sky
 
     return _chunks(some, (direction, plane))
 
