@@ -1,6 +1,7 @@
 """The command line: exit status, one line for a mistake, JSON on request, interruptions."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -89,10 +90,21 @@ def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_pa
     fit = skyfit.load_fit(out)
     assert table["x"]["D"]["slope"]["refit"] == fit.coefficients["x"][3, 0]
     out.unlink()
-    assert cli.run(["fit", str(store), "--out", str(out)]) == 0
+    assert cli.run(["fit", str(store), "--out", str(out), "--compare-weights"]) == 0
     printed = capsys.readouterr().out
     assert "published" in printed
     assert "-1.463" in printed
+    assert "Weights equal, residuals relative:" in printed
+    for channel, found in fit.diagnostics.items():
+        line = next(line for line in printed.splitlines() if line.startswith(f"{channel}  "))
+        assert f"RMS {found.rms:.2%}, worst {found.worst:.0%}, condition number" in line
+        for combination in found.unidentified:
+            assert f"not determined by the skies: {combination}" in printed
+    # What each choice of weights does, in 80 columns.
+    weights = printed[printed.index("Coefficients by weights") :]
+    slope, intercept = fit.coefficients["Y"][1]
+    assert re.search(rf"Y B +{slope:.3g}, {intercept:.3g} ", weights)
+    assert "Y RMS solid angle " in weights
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,8 @@ def fit(
         record["numbers"] = found.num_coefficients
     else:
         record["coefficients"] = skyfit.coefficient_table(found)
+    record["diagnostics"] = {name: dataclasses.asdict(d) for name, d in found.diagnostics.items()}
+    record["settings"] = {"weights": weights, "residuals": residuals}
     if found.positivity is not None:
         record["positivity"] = dataclasses.asdict(found.positivity)
     if compared:
@@ -106,27 +108,46 @@ def _print(found: Any, record: dict[str, Any]) -> None:
         _print_coefficients(record["coefficients"])
     else:
         console().print(f"{found.shape.formula}", soft_wrap=True)
-        for name, rms in record["fit"].items():
-            console().print(f"{name:<8} {record['numbers']} numbers, relative RMS {rms:.3g}")
+        console().print(f"{record['numbers']} numbers a channel")
+    _print_diagnostics(record)
     if found.positivity is not None:
         console().print(found.positivity.sentence(), soft_wrap=True)
     if "weights" in record:
         _print_weights(record["weights"])
 
 
+def _print_diagnostics(record: dict[str, Any]) -> None:
+    """How good each channel's fit is, and what the skies leave open."""
+    chosen = record["settings"]
+    console().print(f"Weights {chosen['weights']}, residuals {chosen['residuals']}:")
+    for name, one in record["diagnostics"].items():
+        line = (
+            f"{name:<8} RMS {one['rms']:.2%}, worst {one['worst']:.0%}, condition number "
+            f"{one['condition']:.3g}" + ("" if one["converged"] else ", not converged")
+        )
+        console().print(line, soft_wrap=True)
+        for combination in one["unidentified"]:
+            console().print(f"{'':<8} not determined by the skies: {combination}", soft_wrap=True)
+
+
 def _print_weights(compared: dict[str, Any]) -> None:
+    from rich import box
     from rich.table import Table
 
-    rows = Table(title="Coefficients by weights, as slope, intercept")
-    for name in ("", "", *compared):
-        rows.add_column(name, justify="right" if name else "left", no_wrap=True)
+    # Without upright rules, so that it fits 80 columns.
+    rows = Table(title="Coefficients by weights, as slope, intercept", box=box.SIMPLE, padding=0)
+    rows.add_column("", no_wrap=True)
+    for name in compared:
+        rows.add_column(f"  {name}", justify="right", no_wrap=True)
     for channel in ("Y", "x", "y"):
         for k, letter in enumerate("ABCDE"):
             pairs = [one["coefficients"][channel][k] for one in compared.values()]
-            rows.add_row(channel, letter, *(f"{slope:.4g}, {cut:.4g}" for slope, cut in pairs))
+            rows.add_row(
+                f"{channel} {letter}", *(f"  {slope:.3g}, {cut:.3g}" for slope, cut in pairs)
+            )
         for measure in compared:
             values = [one["rms"][channel][measure] for one in compared.values()]
-            rows.add_row(channel, f"RMS, {measure}", *(f"{100 * value:.2f} %" for value in values))
+            rows.add_row(f"{channel} RMS {measure}", *(f"  {value:.2%}" for value in values))
         rows.add_section()
     console().print(rows)
 
