@@ -100,11 +100,12 @@ def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_pa
         assert f"RMS {found.rms:.2%}, worst {found.worst:.0%}, condition number" in line
         for combination in found.unidentified:
             assert f"not determined by the skies: {combination}" in printed
-    # What each choice of weights does, in 80 columns.
+    # What each choice of weights does, with no number cut.
     weights = printed[printed.index("Coefficients by weights") :]
     slope, intercept = fit.coefficients["Y"][1]
     assert re.search(rf"Y B +{slope:.3g}, {intercept:.3g} ", weights)
     assert "Y RMS solid angle " in weights
+    assert "…" not in weights
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ def _print_weights(compared: dict[str, Any]) -> None:
     from rich import box
     from rich.table import Table
 
-    # Without upright rules, so that it fits 80 columns.
+    # Without upright rules, so that common numbers fit into 80 columns.
     rows = Table(title="Coefficients by weights, as slope, intercept", box=box.SIMPLE, padding=0)
     rows.add_column("", no_wrap=True)
     for name in compared:
@@ -149,7 +149,9 @@ def _print_weights(compared: dict[str, Any]) -> None:
             values = [one["rms"][channel][measure] for one in compared.values()]
             rows.add_row(f"{channel} RMS {measure}", *(f"  {value:.2%}" for value in values))
         rows.add_section()
-    console().print(rows)
+    screen = console()
+    screen.width = max(screen.width, 100)  # a number cut short would be worse than a broken line
+    screen.print(rows)
 
 
 def _print_coefficients(table: dict[str, Any]) -> None:
