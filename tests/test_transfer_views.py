@@ -19,7 +19,7 @@ def laid_out(sun):
     sun, view = views.sun[:, None, None], views.view[..., None]
     # Something that tells every direction apart, in place of radiance.
     parts = jnp.broadcast_arrays(sun, view, views.azimuth)
-    light = sum(scale * part for scale, part in zip((1, 10, 100), parts, strict=True))
+    light = parts[0] + 10 * parts[1] + 100 * parts[2]
     return shape.restore(light[None, ..., None])
 
 
