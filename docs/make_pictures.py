@@ -125,31 +125,46 @@ def shafts():
 
 
 def orientation():
-    """Where the compass lies in a panorama."""
+    """Where the compass and the sun lie in a panorama, and in those for four programs."""
     source, sun = load_source(None, 3.0), (np.radians(55), np.radians(140))
-    picture = render(source, Panorama(256), *sun)
+    # Facing, and which axes lie north, east, south and west.
+    programs = {
+        "--facing-deg 0": (0, ("", "", "", "")),
+        "Blender: --facing-deg 90": (90, ("+Y", "+X", "−Y", "−X")),
+        "three.js: --facing-deg 90": (90, ("−Z", "+X", "+Z", "−X")),
+        "Mitsuba: --facing-deg 180": (180, ("−Z", "+X", "+Z", "−X")),
+        "Unreal Engine: --facing-deg 270": (270, ("+X", "+Y", "−X", "−Y")),
+    }
     with plots.house_style():
-        figure = Figure(figsize=(7.4, 3.9), layout="constrained")
-        panel = figure.subplots()
-        panel.imshow(picture.pixels(), extent=(-180, 180, -90, 90), aspect="equal")
-        for azimuth, name in (
-            (0, "north"),
-            (90, "east"),
-            (-90, "west"),
-            (-180, ""),
-            (180, "south"),
-        ):
-            panel.axvline(azimuth, color="w", linewidth=0.7)
-            panel.text(azimuth - 3 * (azimuth == 180), 4, name, ha="right" if azimuth == 180 else
-                       "center", color="k", backgroundcolor="#ffffffb0", fontsize=8)  # fmt: skip
-        panel.plot(140, 35, "o", markersize=14, markerfacecolor="none", color="k")
-        panel.annotate("sun: zenith 55°, azimuth 140°", (140, 35), (20, 62), fontsize=8,
-                       arrowprops={"arrowstyle": "-", "lw": 0.7})  # fmt: skip
-        panel.set_xlabel("azimuth from the picture's centre [°]; --facing-deg 0")
-        panel.set_ylabel("elevation [°]")
-        panel.set_xticks(range(-180, 181, 45))
-        panel.set_yticks(range(-90, 91, 30))
-        panel.grid(visible=False)
+        figure = Figure(figsize=(7.6, 7.6), layout="constrained")
+        grid = figure.add_gridspec(3, 2, height_ratios=(2.1, 1, 1))
+        places = [grid[0, :], *(grid[row, column] for row in (1, 2) for column in (0, 1))]
+        for place, (title, (facing, axes)) in zip(places, programs.items(), strict=True):
+            picture = render(source, Panorama(256, np.radians(facing)), *sun)
+            panel = figure.add_subplot(place)
+            panel.imshow(picture.pixels(), extent=(-180, 180, -90, 90), aspect="equal")
+            for number, name in enumerate(("north", "east", "south", "west")):
+                turn = (90 * number - facing + 180) % 360 - 180
+                panel.axvline(turn, color="w", linewidth=0.7)
+                # At the seam the label goes to the left edge's inside.
+                panel.text(
+                    turn + 3 * (turn == -180), -14, f"{name} {axes[number]}".strip(),
+                    ha="left" if turn == -180 else "center", va="center", color="k", fontsize=7,
+                    bbox={"facecolor": "w", "alpha": 0.7, "linewidth": 0, "pad": 1.5},
+                )  # fmt: skip
+            turn = (140 - facing + 180) % 360 - 180
+            panel.plot(turn, 35, "o", markersize=11, markerfacecolor="none", color="k")
+            panel.set_title(title)
+            panel.set_xticks(range(-180, 181, 90))
+            panel.set_yticks(range(-90, 91, 45))
+            panel.grid(visible=False)
+            if facing == 0:
+                panel.set_xlabel("azimuth from the middle [°]")
+                panel.set_ylabel("elevation [°]")
+                panel.annotate(
+                    "sun: zenith angle 55°, azimuth 140°", (turn, 35), (5, 66), fontsize=8,
+                    arrowprops={"arrowstyle": "-", "lw": 0.7},
+                )  # fmt: skip
         save(figure, "pictures_orientation")
 
 

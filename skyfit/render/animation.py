@@ -107,7 +107,7 @@ def _write(path: Path, frames: list[np.ndarray], seconds: float) -> None:
         sheet = Image.new("RGB", (chosen[0].width, sum(one.height for one in chosen)))
         for place, one in enumerate(chosen):
             sheet.paste(one, (0, place * one.height))
-        palette = sheet.quantize(256)
+        palette = sheet.quantize(256, method=Image.Quantize.MAXCOVERAGE)
         images = [
             one.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG) for one in images
         ]

@@ -146,7 +146,8 @@ class SimulatedSource(AbstractSource):
         values = np.asarray(constituent.phase.spectral(jnp.cos(jnp.asarray(gamma))))
         spectrum = light.reshape(-1, light.shape[-1]).mean(axis=0)
         share = self._weights * spectrum[:, None]
-        return np.broadcast_to(values, (gamma.size, share.shape[0])) @ (share / share.sum(axis=0))
+        share = share / np.maximum(share.sum(axis=0), 1e-30)  # no light, no colour
+        return np.broadcast_to(values, (gamma.size, share.shape[0])) @ share
 
 
 def only(atmosphere: Atmosphere, number: int) -> Atmosphere:

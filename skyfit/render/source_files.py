@@ -80,7 +80,10 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
     if value is None:
         if len(values) > 1:
             there = ", ".join(f"{one:g}" for one in values)
-            raise ValueError(f"{path}: expected one {swept}, such as one of {there}; got none")
+            raise ValueError(
+                f"{path}: expected one {swept} (--turbidity, turbidity=...), such as one of "
+                f"{there}; got none"
+            )
         value = float(next(iter(values)))
     elif swept is None:
         raise ValueError(f"{path}: sweeps nothing; got the value {value:g}")
