@@ -85,7 +85,7 @@ def test_ward_larsons_model_fades_into_one_colour(air):
     model = skyfit.ward_larson_aerial(air, even_sky, SUN)
     beta = np.asarray(air.extinction).sum(axis=0)
     np.testing.assert_allclose(model.transmittance(1e3), np.exp(-1e3 * beta), rtol=1e-12)
-    np.testing.assert_allclose(model.apply(jnp.ones(2), np.inf), [0.3, 0.1], rtol=1e-9)
+    np.testing.assert_allclose(model.apply(jnp.ones(2), np.inf, 0.0, 0.0), [0.3, 0.1], rtol=1e-9)
 
 
 # The source functions

@@ -1,6 +1,5 @@
 """Ward-Larson's aerial perspective: the same light from all directions, the same air everywhere."""
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -8,6 +7,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, as_float
 from ..atmosphere import Atmosphere
 from ..models.directions import align
+from .base import AbstractAerialPerspective
 from .scene import (
     Sky,
     check_channels,
@@ -22,10 +22,10 @@ from .scene import (
 KILOMETRE = 1e3
 
 
-class ConstantAmbient(eqx.Module):
+class ConstantAmbient(AbstractAerialPerspective):
     """Uniform extinction towards one colour: L = L₀ τ + ambient (1 - τ), τ = e^{-β s}.
 
-    Its methods are those of `AerialPerspective`; directions and height change nothing.
+    Directions and height change nothing.
 
     Attributes:
         extinction: [m⁻¹].
@@ -49,38 +49,15 @@ class ConstantAmbient(eqx.Module):
     def split(
         self,
         distance: ArrayLike,
-        view_zenith: ArrayLike = 0.0,
-        relative_azimuth: ArrayLike = 0.0,
+        view_zenith: ArrayLike,
+        relative_azimuth: ArrayLike,
         eye_height: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
-        """Transmittance τ and in-scattered light; arguments as `AerialPerspective.apply`."""
+        """Transmittance τ and in-scattered light; arguments as `apply`."""
         view, azimuth = align(as_float(view_zenith), as_float(relative_azimuth))
         seen = self.transmittance(distance, view + azimuth.astype(view.dtype), eye_height)
         ambient, seen = align(self.ambient.astype(seen.dtype), seen)
         return seen, ambient * (1 - seen)
-
-    def inscatter(
-        self,
-        distance: ArrayLike,
-        view_zenith: ArrayLike = 0.0,
-        relative_azimuth: ArrayLike = 0.0,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch channel"]:
-        """Light added on the way; arguments as `AerialPerspective.apply`."""
-        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
-
-    def apply(
-        self,
-        radiance0: ArrayLike,
-        distance: ArrayLike,
-        view_zenith: ArrayLike = 0.0,
-        relative_azimuth: ArrayLike = 0.0,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch channel"]:
-        """Light of an object as it arrives at the eye; arguments as `AerialPerspective.apply`."""
-        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
-        light0, seen, light = align(as_float(radiance0), seen, light)
-        return light0.astype(seen.dtype) * seen + light
 
 
 def ward_larson_aerial(

@@ -7,8 +7,8 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
 from ..atmosphere import Atmosphere
-from ..models.directions import align
 from . import closed, integrals, layers as along
+from .base import AbstractAerialPerspective
 from .layers import Layers
 from .scene import (
     Sky,
@@ -30,11 +30,8 @@ METHODS = {
 }
 
 
-class AerialPerspective(eqx.Module):
-    """What happens to light between an object and the eye.
-
-    on the last axis, are wavelengths [W m⁻² sr⁻¹ nm⁻¹] or linear sRGB [cd m⁻²].
-    Angles in radians, lengths in metres. Arguments broadcast.
+class AerialPerspective(AbstractAerialPerspective):
+    """Exponential layers of air and haze under the light of a sun and any sky.
 
     Attributes:
         layers: Air and haze.
@@ -50,28 +47,6 @@ class AerialPerspective(eqx.Module):
     wavelengths: Spectrum
     method: str = eqx.field(static=True)
     channels: str = eqx.field(static=True)
-
-    def apply(
-        self,
-        radiance0: ArrayLike,
-        distance: ArrayLike,
-        view_zenith: ArrayLike,
-        relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch channel"]:
-        """Light of an object as it arrives at the eye.
-
-        Args:
-            radiance0: At the object, channel last.
-            distance: From the eye, 0 or more; infinite for the sky or for a full view of the air
-                [m]. A ray that comes to 500 m below altitude 0 ends there.
-            view_zenith: Zenith angle of the ray from the eye, in [0, π] [rad].
-            relative_azimuth: View azimuth minus sun azimuth [rad].
-            eye_height: Above altitude 0 [m].
-        """
-        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
-        light0, seen, light = align(as_float(radiance0), seen, light)
-        return light0.astype(seen.dtype) * seen + light
 
     def split(
         self,
@@ -90,16 +65,6 @@ class AerialPerspective(eqx.Module):
         """Share of an object's light that arrives; arguments as `apply`."""
         s, view, height = _rays(distance, view_zenith, eye_height)
         return _transmittance(self.layers, s, view, height)
-
-    def inscatter(
-        self,
-        distance: ArrayLike,
-        view_zenith: ArrayLike,
-        relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch channel"]:
-        """Light added on the way; arguments as `apply`."""
-        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
 
 
 @jax.jit

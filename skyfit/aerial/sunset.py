@@ -68,7 +68,7 @@ def sunset_airlight(
         for side in (EAST, WEST)
     )
     constant = ward_larson_aerial(turbidity, sky, sun_zenith)
-    same = _airlight(constant.inscatter(far), model.wavelengths)
+    same = _airlight(constant.inscatter(far, np.pi / 2, EAST), model.wavelengths)
     turn = jnp.mod(west.hue - east.hue + np.pi, 2 * np.pi) - np.pi
     apart = jnp.linalg.norm(_uv(west.xyY) - _uv(east.xyY), axis=-1)
     return Sunset(east, west, same, turn, apart)

@@ -1,6 +1,5 @@
 """Aerial perspective in air of constant density: Hoffman & Preetham (2002), equations 1 to 4."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -9,13 +8,14 @@ from .._typing import ArrayLike, Scalar, as_float
 from ..angles import view_sun_angle
 from ..models.directions import align
 from ..models.hoffman import HoffmanPreethamSky
+from .base import AbstractAerialPerspective
 from .scene import one_sun
 
 
-class UniformAir(eqx.Module):
+class UniformAir(AbstractAerialPerspective):
     """Extinction and sunlight scattered in, the same at any height; in linear sRGB.
 
-    Its methods are those of `AerialPerspective`; height changes nothing.
+    Height changes nothing. L_in = E β(Θ) / β (1 - e^{-β s}), equation 4.
 
     Attributes:
         air: The model whose coefficients, phase functions and sun are used.
@@ -28,31 +28,8 @@ class UniformAir(eqx.Module):
     def transmittance(
         self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, eye_height: ArrayLike = 0.0
     ) -> Float[Array, "*batch 3"]:
-        """F_ex = e^{-β s}, equation 3; arguments as `AerialPerspective.transmittance`."""
+        """F_ex = e^{-β s}, equation 3; arguments as `apply`."""
         return self.split(distance, view_zenith, 0.0, eye_height)[0]
-
-    def inscatter(
-        self,
-        distance: ArrayLike,
-        view_zenith: ArrayLike,
-        relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch 3"]:
-        """L_in = E β(Θ) / β (1 - e^{-β s}), equation 4; arguments as `AerialPerspective.apply`."""
-        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
-
-    def apply(
-        self,
-        radiance0: ArrayLike,
-        distance: ArrayLike,
-        view_zenith: ArrayLike,
-        relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
-    ) -> Float[Array, "*batch 3"]:
-        """Light of an object as it arrives, equation 1; arguments as `AerialPerspective.apply`."""
-        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
-        light0, seen, light = align(as_float(radiance0), seen, light)
-        return light0.astype(seen.dtype) * seen + light
 
     def split(
         self,
@@ -61,7 +38,7 @@ class UniformAir(eqx.Module):
         relative_azimuth: ArrayLike,
         eye_height: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch 3"], Float[Array, "*batch 3"]]:
-        """Transmittance and in-scattered light; arguments as `AerialPerspective.apply`."""
+        """Transmittance and in-scattered light; arguments as `apply`."""
         rays = map(as_float, (distance, view_zenith, relative_azimuth, eye_height))
         return _split(self, *jnp.broadcast_arrays(*align(*rays)))
 
