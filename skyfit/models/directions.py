@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,6 +23,38 @@ def components(
     x, y, z = _product(jnp.eye(3, dtype=direction.dtype), direction.reshape(-1, 3).T)
     batch = direction.shape[:-1]
     return x.reshape(batch), y.reshape(batch), z.reshape(batch)
+
+
+class VectorView(NamedTuple):
+    """What a model asks of unit vectors, one array of each, all of one rank.
+
+    Attributes:
+        cos_view: Cosine of the view zenith angle.
+        sun_zenith: [rad].
+        gamma: Angle between view and sun [rad].
+        cos_gamma: Its cosine.
+        parameter: The model's own, given the same rank.
+    """
+
+    cos_view: Float[Array, "..."]
+    sun_zenith: Float[Array, "..."]
+    gamma: Float[Array, "..."]
+    cos_gamma: Float[Array, "..."]
+    parameter: Float[Array, "..."]
+
+
+def view_along(
+    direction: Float[Array, "*#batch 3"],
+    sun_direction: Float[Array, "*#batch 3"],
+    parameter: Float[Array, "..."],
+) -> VectorView:
+    """Angles of unit vectors, z up, and the parameter of a model laid beside them."""
+    *split, parameter = align(*components(direction), *components(sun_direction), parameter)
+    view, sun = tuple(split[:3]), tuple(split[3:])
+    up = jnp.zeros_like(sun[2])
+    sun_zenith, _ = angle_between(sun, (up, up, up + 1))
+    gamma, cos_gamma = angle_between(view, sun)
+    return VectorView(view[2], sun_zenith, gamma, cos_gamma, parameter)
 
 
 def combine(

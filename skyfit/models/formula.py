@@ -15,7 +15,7 @@ from ..colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz, xyz_to_xyY
 from ..spectrum import linear_in_wavelength
 from .base import AbstractSkyModel
 from .basis import AbstractBasis
-from .directions import align, angle_between, components
+from .directions import align, view_along
 from .shapes import AbstractShape
 from .twilight import TWILIGHT_DECAY
 
@@ -159,9 +159,5 @@ def _by_angles(sky, sun_zenith, view_zenith, relative_azimuth) -> Any:
 
 @eqx.filter_jit
 def _by_vectors(sky, direction, sun_direction) -> Any:
-    *split, parameter = align(*components(direction), *components(sun_direction), sky.parameter)
-    view, sun = tuple(split[:3]), tuple(split[3:])
-    up = jnp.zeros_like(sun[2])
-    sun_zenith, _ = angle_between(sun, (up, up, up + 1))
-    gamma, cos_gamma = angle_between(view, sun)
-    return sky._values(parameter, sun_zenith, view[2], gamma, cos_gamma)
+    cos_view, sun, gamma, cos_gamma, parameter = view_along(direction, sun_direction, sky.parameter)
+    return sky._values(parameter, sun, cos_view, gamma, cos_gamma)

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, as_float
 from ..angles import view_sun_angle
 from .base import AbstractSkyModel
-from .directions import align, angle_between, combine, components, in_pieces
+from .directions import align, combine, in_pieces, view_along
 from .twilight import daytime_sun, dimming
 from .zenith import CubicZenith, TangentZenith
 
@@ -158,19 +158,15 @@ def _xyz(sky, direction, sun_direction):
 
 
 def _xyz_at_once(sky, direction, sun_direction):
-    *split, parameter = align(*components(direction), *components(sun_direction), sky.parameter)
-    view, sun = tuple(split[:3]), tuple(split[3:])
-    up = jnp.zeros_like(sun[2])
-    sun_zenith, _ = angle_between(sun, (up, up, up + 1))
-    gamma, cos_gamma = angle_between(view, sun)
+    cos_view, sun, gamma, cos_gamma, parameter = view_along(direction, sun_direction, sky.parameter)
     sky = sky._at(parameter.astype(gamma.dtype))
-    zenith, overhead = sky._zenith(sun_zenith), sky._overhead(sun_zenith)
+    zenith, overhead = sky._zenith(sun), sky._overhead(sun)
     table = jnp.broadcast_to(sky.perez_coefficients(), (3, 5, *zenith.shape[1:]))
     # What depends on the sun alone is divided as one block, which XLA then keeps out of the loop
     # over directions: it does not repeat divisions.
     rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
         [overhead[:, None], jnp.ones_like(table)], axis=1
     )
-    x, y, luminance = (row[0] * perez(row[1:], view[2], gamma, cos_gamma) for row in rows)
+    x, y, luminance = (row[0] * perez(row[1:], cos_view, gamma, cos_gamma) for row in rows)
     total = luminance / y
     return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))
