@@ -54,16 +54,16 @@ def test_derivatives_are_those_of_central_differences():
     assert list(found.at) == list(HERE)
     assert found.converged == {"x": True, "y": True, "Y": True}
     for k, (name, value) in enumerate(HERE.items()):
-        # Steps of 1e-3 err by up to 1e-4, in the asymmetry, of which these by 1 %.
+        # These steps err by up to 1e-6, in the asymmetry, and round by 1e-5; 1e-4 is promised.
         step = 1e-4 * value
         high, low = (sensitivity(HERE | {name: value + s}).coefficients for s in (step, -step))
         for channel, table in found.derivatives.items():
             slope = (high[channel] - low[channel]) / (2 * step)
-            np.testing.assert_allclose(table[:, k], slope, rtol=1e-5)
+            np.testing.assert_allclose(table[:, k], slope, rtol=5e-5)
             log_slope = np.log(high[channel] / low[channel]) / np.log(
                 (value + step) / (value - step)
             )
-            np.testing.assert_allclose(found.relative()[channel][:, k], log_slope, rtol=1e-5)
+            np.testing.assert_allclose(found.relative()[channel][:, k], log_slope, rtol=5e-5)
 
 
 def test_a_black_sky_is_refused():
