@@ -26,12 +26,10 @@ class Medium(eqx.Module):
     edges: Float[Array, " edge"]
     cubics: Float[Array, "species 4 shell"]
 
-    def density_in_shells(
-        self, share: Float[Array, "node shell"]
-    ) -> Float[Array, "species node shell"]:
-        """Relative densities at points in every shell, given as shares of its depth."""
-        c0, c1, c2, c3 = (self.cubics[:, None, power] for power in range(4))
-        share = share[None]
+    def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
+        """Relative densities at one point in every shell, given as a share of its depth."""
+        c0, c1, c2, c3 = (self.cubics[:, power] for power in range(4))
+        share = share[None, :]
         return c0 + share * (c1 + share * (c2 + share * c3))
 
     def sight(self) -> tuple[Scalar, Scalar]:

@@ -185,12 +185,14 @@ def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[
     crossings = jnp.clip(planet.to_level(leg.altitude, leg.mu, edges), start, end)
     depth = jnp.diff(edges)
     low, width = crossings[:-1], jnp.diff(crossings)
-    x, w = (jnp.asarray(a, edges.dtype)[:, None] for a in gauss(3))
-    # Shells last: long vectors, where [shell, node, species] would be short ones.
-    altitude = planet.advance(leg.altitude, leg.mu, low[None] + x * width[None])[0]
-    share = (altitude - edges[None, :-1]) / jnp.where(depth > 0, depth, 1.0)[None]
-    lengths = (w * width[None])[None]
-    return jnp.sum(lengths * medium.density_in_shells(share), axis=(1, 2))
+    total = jnp.zeros(medium.cubics.shape[:1], edges.dtype)
+    # Node by node and shells last: long vectors, where [shell, node, species] would be short ones.
+    for x, w in zip(*gauss(3), strict=True):
+        altitude = planet.advance(leg.altitude, leg.mu, low + float(x) * width)[0]
+        share = (altitude - edges[:-1]) / jnp.where(depth > 0, depth, 1.0)
+        density = medium.density_in_shells(share)
+        total = total + jnp.sum(float(w) * width[None, :] * density, axis=1)
+    return total
 
 
 def both_legs(
