@@ -13,6 +13,7 @@ import xarray as xr
 
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
+from skyfit.transfer.quality import QUALITIES
 from skyfit.transfer.simulate_sky import _simulate
 
 
@@ -301,6 +302,10 @@ def test_single_precision_is_good_to_a_hundred_thousandth():
     np.testing.assert_allclose(sky, exact, rtol=2e-5)
 
 
+DRAFT = QUALITIES["draft"]
+TOO_SHARP = DRAFT._replace(higher=DRAFT.higher._replace(degree=99))
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -310,6 +315,7 @@ def test_single_precision_is_good_to_a_hundred_thousandth():
         ({"observer_altitude": -1.0}, "observer_altitude=.* must be 0 m or more"),
         ({"orders": 0}, "orders=.*expected 1 or more, or None for all; got 0"),
         ({"geometry": "round"}, "geometry=.*expected 'spherical', 'flat' or 'paper'"),
+        ({"quality": TOO_SHARP}, "quality=.*no larger than those of `first`; got 99, 6 and 14, 12"),
         ({"quality": "best"}, "quality=.*expected one of 'draft', 'default', 'high'"),
     ],
 )

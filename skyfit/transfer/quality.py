@@ -33,7 +33,8 @@ class Quality(NamedTuple):
         levels: Altitudes at which the light field is kept for the higher orders.
         field_nodes: Light along a ray that ends at a level.
         first: Directions of the first order's field, as sharp as the phase functions.
-        higher: Directions of the later orders' fields: each scattering smooths them.
+        higher: Directions of the later orders' fields: each scattering smooths them. Neither its
+            degree nor its modes may exceed those of `first`.
         sun_azimuths: Azimuths at which the first order is integrated along a ray.
         sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree].
         orders: How many orders `orders=None` computes before the geometric tail.

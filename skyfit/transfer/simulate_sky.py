@@ -262,6 +262,12 @@ def _sizes(orders: int | None, geometry: str, quality: str | Quality) -> Quality
             f"simulate(geometry=...): expected 'spherical', 'flat' or 'paper'; got {geometry!r}"
         )
     if isinstance(quality, Quality):
+        first, higher = quality.first, quality.higher
+        if higher.degree > first.degree or higher.modes > first.modes:
+            raise ValueError(
+                "simulate(quality=...): expected degree and modes of `higher` no larger than those "
+                f"of `first`; got {higher.degree}, {higher.modes} and {first.degree}, {first.modes}"
+            )
         return quality
     if quality not in QUALITIES:
         names = ", ".join(repr(name) for name in QUALITIES)
