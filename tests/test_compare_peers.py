@@ -42,6 +42,13 @@ def test_wavelengths_are_asked_for_four_by_four():
     np.testing.assert_allclose(together, one_by_one, rtol=1e-6)
 
 
+def test_the_longest_wavelength_is_the_end_of_the_tables():
+    # They have 680 and 720 nm, with straight lines between.
+    for _ in range(5):
+        values = np.asarray(HosekWilkieSky(3.0).radiance(SUN, 0.3, 0.2, [680.0, 700.0, 720.0]))
+        assert values[2] == pytest.approx(2 * values[1] - values[0], rel=1e-4)
+
+
 def test_the_sky_is_black_at_night_and_turbidity_is_held():
     assert not np.any(HosekWilkieSky(3.0).xyY(np.radians(91.0), 0.3, 0.2)[2])
     held = HosekWilkieSky(12.0).xyY(SUN, 0.3, 0.2), HosekWilkieSky(10.0).xyY(SUN, 0.3, 0.2)

@@ -13,6 +13,8 @@ from ..colour import spectrum_to_xyY
 
 # Hosek and Wilkie's tables are for turbidities 1 to 10 and end at 720 nm, where the eye does.
 WAVELENGTHS = np.arange(380.0, 721.0, 20.0)
+# At 720 nm itself Mitsuba 3.9 reads past the end of its tables, NaN in half of all processes.
+LONGEST = float(np.nextafter(np.float32(720), np.float32(0)))
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def _emitter(turbidity: float, ground_albedo: float, sun: float):
             "sun_scale": 0.0,
         }
     )
-    # Zeros: a plain `SurfaceInteraction3f()` holds whatever was in that memory, NaN now and then.
+    # Zeros: a plain `SurfaceInteraction3f()` holds whatever was in that memory.
     interaction = dr.zeros(mi.SurfaceInteraction3f)
 
     def look(view: float, azimuth: float, wavelengths: np.ndarray) -> np.ndarray:
@@ -96,7 +98,7 @@ def _emitter(turbidity: float, ground_albedo: float, sun: float):
         found = []
         # Four wavelengths at a time; the last are filled up with the last one.
         for first in range(0, wavelengths.size, 4):
-            four = wavelengths[first : first + 4]
+            four = np.where(wavelengths == 720, LONGEST, wavelengths)[first : first + 4]
             interaction.wavelengths = [*four, *[four[-1]] * (4 - four.size)]
             found.extend(list(emitter.eval(interaction))[: four.size])
         return np.array(found)
