@@ -9,7 +9,7 @@ import numpy as np
 import skyfit
 
 from .options import as_json
-from .output import print_record, progress
+from .output import INTERRUPTED, complain, print_record, progress
 
 
 PROJECTIONS, PRECISIONS = ("equidistant", "equal-area"), ("half", "float")
@@ -103,7 +103,8 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
 
     SKY is a fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr, .nc), or
     the word cornell for a measured sky; without it the published model is shown. EXR and HDR files
-    hold luminance, a PNG what a camera would show of it.
+    hold luminance, a PNG what a camera would show of it. Finished frames of a day are kept beside
+    it until it is written: after an interruption the same command continues.
     """
     look = skyfit.render
     kind = look.check_target(out, options["overwrite"])
@@ -117,10 +118,17 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     zenith, azimuth = look.sun_of(source, given), np.radians(options["sun_azimuth_deg"])
     with progress("rendering", quiet=as_json) as bar:
         if kind in (".gif", ".apng"):
-            record = look.animate(
-                out, source, camera, _suns(options, zenith, azimuth), seconds=options["seconds"],
-                progress=lambda done, total: bar("frames", done, total), **saved, **shown,
-            )  # fmt: skip
+            suns, kept = _suns(options, zenith, azimuth), look.frames_directory(out)
+            try:
+                record = look.animate(
+                    out, source, camera, suns, seconds=options["seconds"],
+                    progress=lambda done, total: bar("frames", done, total), **saved, **shown,
+                )  # fmt: skip
+            except KeyboardInterrupt:
+                if not kept.exists():
+                    raise
+                done = f"{len(list(kept.glob('*.light')))} of {len(suns)} frames are in {kept}"
+                return complain(f"interrupted: {done}; the same command continues", INTERRUPTED)
             record = {"sky": source.name, **record}
         else:
             picture = (

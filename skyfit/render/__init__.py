@@ -19,6 +19,7 @@ from .elevation_files import (
     sample_elevation as sample_elevation,
 )
 from .files import PRECISIONS as PRECISIONS, check_target as check_target
+from .frames import frames_directory as frames_directory
 from .picture import (
     Picture as Picture,
     horizontal_irradiance as horizontal_irradiance,

@@ -1,5 +1,6 @@
 """A day as an animated picture: suns, frames, GIF or APNG."""
 
+import os
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
@@ -11,7 +12,8 @@ from jaxtyping import Float
 from ..sun import sun_position
 from .cameras import AbstractCamera
 from .files import check_target
-from .picture import render
+from .frames import Frame, FrameStore, animation_record, frames_directory
+from .picture import render, to_pixels
 from .sources import AbstractSource
 
 
@@ -61,6 +63,11 @@ def animate(
 ) -> dict[str, Any]:
     """Render a sky under one sun after the other and write them as one picture that moves.
 
+    Finished frames are kept in a directory beside it, its name with `.frames` at the end, until it
+    is written: after an interruption the same call goes on from there. Exposure, tone curve, gamut
+    and length may then be others. A sky or camera of a class that is not skyfit's begins anew,
+    unless it is a source that has an `identity`.
+
     Args:
         path: Ends in .gif (256 colours) or .apng (all of them).
         source: What is seen.
@@ -78,26 +85,38 @@ def animate(
         The file, how many frames, and the lowest and highest exposure value.
 
     Raises:
-        ValueError: Another ending, a file is there, no frame.
+        ValueError: Another ending, a file is there, no frame; frames of another animation.
     """
     kind = check_target(path, overwrite)
     if kind not in (".gif", ".apng"):
         raise ValueError(f"{path}: expected a name ending in .gif or .apng for many pictures")
     if len(suns) == 0:
         raise ValueError("animate(suns=...): expected one or more; got none")
+    suns = np.asarray(suns, float)
+    record = animation_record(source, camera, suns, options)
+    kept = None
+    if record is not None:
+        kept = FrameStore(frames_directory(path), record, camera.shape)
     frames, exposures = [], []
-    for zenith, azimuth in suns:
-        picture = render(source, camera, float(zenith), float(azimuth), **options)
-        exposures.append(picture.exposure() if ev is None else ev)
-        frames.append(picture.pixels(exposures[-1], tone, gamut))
+    for number, (zenith, azimuth) in enumerate(suns.tolist()):
+        frame = None if kept is None else kept.load(number)
+        if frame is None:
+            picture = render(source, camera, zenith, azimuth, **options)
+            frame = Frame(picture.rgb, picture.exposure())
+            if kept is not None:
+                kept.keep(number, frame)
+        exposures.append(frame.exposure if ev is None else ev)
+        frames.append(to_pixels(frame.rgb, exposures[-1], tone, gamut))
         if progress is not None:
             progress(len(frames), len(suns))
-    _write(Path(path), frames, seconds)
+    _write(Path(path), frames, seconds, overwrite)
+    if kept is not None:
+        kept.remove(len(suns))
     span = [round(end, 2) for end in (min(exposures), max(exposures))]
     return {"out": str(path), "frames": len(frames), "ev": span, "tone": tone, "gamut": gamut}
 
 
-def _write(path: Path, frames: list[np.ndarray], seconds: float) -> None:
+def _write(path: Path, frames: list[np.ndarray], seconds: float, overwrite: bool) -> None:
     from PIL import Image
 
     images = [Image.fromarray(frame) for frame in frames]
@@ -111,7 +130,13 @@ def _write(path: Path, frames: list[np.ndarray], seconds: float) -> None:
         images = [
             one.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG) for one in images
         ]
-    images[0].save(
-        path, format="GIF" if path.suffix == ".gif" else "PNG", save_all=True,
-        append_images=images[1:], duration=round(1000 * seconds / len(images)), loop=0,
-    )  # fmt: skip
+    begun = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        images[0].save(
+            begun, format="GIF" if path.suffix == ".gif" else "PNG", save_all=True,
+            append_images=images[1:], duration=round(1000 * seconds / len(images)), loop=0,
+        )  # fmt: skip
+        check_target(path, overwrite)
+        begun.replace(path)
+    finally:
+        begun.unlink(missing_ok=True)

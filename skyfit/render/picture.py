@@ -42,8 +42,7 @@ class Picture:
         self, ev: float | None = None, tone: str = "aces", gamut: str = "desaturate"
     ) -> np.ndarray:
         """8-bit sRGB [row, column, 3]; arguments as `save`."""
-        rgb, _ = into_gamut(self.rgb, gamut)
-        return display(rgb, self.exposure() if ev is None else ev, tone).pixels
+        return to_pixels(self.rgb, self.exposure() if ev is None else ev, tone, gamut)
 
     def save(
         self,
@@ -90,6 +89,13 @@ class Picture:
         notes = {"Description": self.description, "Exposure": f"EV {ev:.2f}, tone curve {tone}"}
         write_png(path, shown.pixels, notes)
         return record | {"ev": round(ev, 3), "tone": tone, "overexposed": shown.overexposed}
+
+
+def to_pixels(
+    rgb: Float[np.ndarray, "row column 3"], ev: float, tone: str, gamut: str
+) -> np.ndarray:
+    """8-bit sRGB of linear sRGB; arguments as `Picture.save`."""
+    return display(into_gamut(rgb, gamut)[0], ev, tone).pixels
 
 
 def render(

@@ -15,6 +15,7 @@ from .sources import AbstractSource, sun_through_haze
 
 _SAME_SUN = np.radians(0.01)
 _SMOOTHING = 1e-3
+_NEEDED = ("luminance", "x", "y", "view_zenith", "relative_azimuth", "sun_zenith")
 
 
 class RecordedSource(AbstractSource):
@@ -34,7 +35,7 @@ class RecordedSource(AbstractSource):
     """
 
     def __init__(self, sky: xr.Dataset, name: str, turbidity: float | None = None):
-        for needed in ("luminance", "x", "y", "view_zenith", "relative_azimuth", "sun_zenith"):
+        for needed in _NEEDED:
             if needed not in sky.variables:
                 raise ValueError(f"{name}: {needed} is missing")
         if sky["luminance"].dims != ("direction",):
@@ -46,6 +47,9 @@ class RecordedSource(AbstractSource):
 
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through_haze(self.name, self.turbidity, sun_zenith)
+
+    def identity(self):  # noqa: D102
+        return [self.sky[name].values for name in _NEEDED], self.turbidity
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
         if abs(sun_zenith - self.sun_zenith) > _SAME_SUN:

@@ -76,6 +76,9 @@ class SimulatedSource(AbstractSource):
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through(self.atmosphere, sun_zenith, self.altitude)
 
+    def identity(self):  # noqa: D102
+        return self.atmosphere, self.orders, self.quality, self.altitude, self.grid
+
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
         unit = direction.astype(float)
         zenith = np.arctan2(np.hypot(unit[:, 0], unit[:, 1]), unit[:, 2])

@@ -1,6 +1,7 @@
 """What a picture can show: skies as luminance and colour over direction, each with its sun."""
 
 import abc
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -51,6 +52,14 @@ class AbstractSource(abc.ABC):
         """Sine of the horizon's elevation."""
         return 0.0
 
+    def identity(self) -> Any:
+        """All that this sky is made of: numbers, words, arrays, skyfit's models; None by itself.
+
+        An interrupted `animate` is continued under the sky that has the same. A class that does
+        not define it is never continued, not even if its parent does.
+        """
+        return None
+
 
 class ModelSource(AbstractSource):
     """A fitted or published model.
@@ -70,6 +79,9 @@ class ModelSource(AbstractSource):
 
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through_haze(self.name, self.turbidity, sun_zenith)
+
+    def identity(self):  # noqa: D102
+        return self.model, self.turbidity
 
 
 def sun_through_haze(
