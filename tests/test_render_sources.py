@@ -260,6 +260,8 @@ def test_the_command_shows_days_datasets_and_measurements(dataset, tmp_path, cap
     [
         (["cornell", "--no-sun", "--out", "a.png"], "cornell: expected a sun at one of 48.9379"),
         (["--turbidity", "3", "--out", "a.gif"], "--out: a day needs --latitude-deg and"),
+        (["--turbidity", "3", "--view", "perspective", "--terrain", "sample",
+          "--to-sun-zenith-deg", "90", "--out", "a.gif"], "--terrain: only for one picture"),
         (["--turbidity", "3", "--view", "perspective", "--altitude-m", "9", "--out", "a.png"],
          "the published model: only simulated skies (.toml) can be seen from an altitude; got 9 m"),
         (["sims.toml", "--out", "a.png"], "sims.toml"),

@@ -110,6 +110,8 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
     given = _radians(options["sun_zenith_deg"])
+    if options["terrain"] is not None and kind in (".gif", ".apng"):
+        raise click.UsageError("--terrain: only for one picture, not for a day")
     land = _land(options["terrain"], options["view"], options["shafts"])
     height = 0.0 if land is not None else options["altitude_m"]
     source = look.load_source(sky, options["turbidity"], given, height)
