@@ -1,6 +1,7 @@
 """Skies on record as sources: simulated datasets and measurements, between their directions."""
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -48,7 +49,7 @@ class RecordedSource(AbstractSource):
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through_haze(self.name, self.turbidity, sun_zenith)
 
-    def identity(self):  # noqa: D102
+    def identity(self) -> Any:  # noqa: D102
         return [self.sky[name].values for name in _NEEDED], self.turbidity
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102

@@ -6,7 +6,7 @@ grid, and the phase function at the pixel's own angle to the sun multiplied in a
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -76,7 +76,7 @@ class SimulatedSource(AbstractSource):
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through(self.atmosphere, sun_zenith, self.altitude)
 
-    def identity(self):  # noqa: D102
+    def identity(self) -> Any:  # noqa: D102
         return self.atmosphere, self.orders, self.quality, self.altitude, self.grid
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102

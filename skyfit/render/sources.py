@@ -80,7 +80,7 @@ class ModelSource(AbstractSource):
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through_haze(self.name, self.turbidity, sun_zenith)
 
-    def identity(self):  # noqa: D102
+    def identity(self) -> Any:  # noqa: D102
         return self.model, self.turbidity
 
 
