@@ -13,6 +13,7 @@ import xarray as xr
 
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
+from skyfit.render.simulated import only
 from skyfit.transfer.quality import QUALITIES
 from skyfit.transfer.simulate_sky import _simulate
 
@@ -206,6 +207,8 @@ def test_one_program_serves_every_turbidity_and_sun():
         for turbidity, sun in ((2.0, 0.1), (3, 0.5), (6.5, 1.2)):
             atm = skyfit.preetham_atmosphere(turbidity, wavelengths=[460.0, 610.0])
             skyfit.simulate(atm, sun, VIEW, AZIMUTH, quality="draft")
+            # Coefficients given for each wavelength, where they were one for all.
+            skyfit.simulate(only(atm, 0), sun, VIEW, AZIMUTH, quality="draft")
     finally:
         skyfit.transfer.simulate_sky._first = original
     assert traced == 1

@@ -10,7 +10,7 @@ from jaxtyping import Array, ArrayLike, Float
 
 from .._typing import Scalar, as_float, check, is_traced
 from ..angles import cos_view_sun_angle
-from ..atmosphere import Atmosphere
+from ..atmosphere import Atmosphere, Constituent
 from .columns import SunColumns, sun_columns
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
@@ -103,13 +103,25 @@ def simulate(
     if _known(altitude, lambda h: h <= HIGH_UP):
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low"
     by_order = _simulate(
-        atmosphere, views, count=sizes.orders if orders is None else orders,
+        _widened(atmosphere), views, count=sizes.orders if orders is None else orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
     )  # fmt: skip
     by_order = shape.restore(by_order)
     tail = _tail(by_order) if orders is None else jnp.zeros_like(by_order[0])
     return Sky(by_order, tail)
+
+
+def _widened(atmosphere: Atmosphere) -> Atmosphere:
+    """The same with every coefficient at every wavelength, however it was given: one program."""
+
+    def wide(one: Constituent) -> Constituent:
+        shape = atmosphere.wavelengths.shape
+        spectra = jnp.broadcast_to(one.scattering, shape), jnp.broadcast_to(one.absorption, shape)
+        return eqx.tree_at(lambda c: (c.scattering, c.absorption), one, spectra)
+
+    constituents = tuple(wide(one) for one in atmosphere.constituents)
+    return eqx.tree_at(lambda a: a.constituents, atmosphere, constituents)
 
 
 @eqx.filter_jit
