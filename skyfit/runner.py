@@ -15,6 +15,7 @@ from ._typing import as_float
 from .atmosphere import Atmosphere
 from .campaign import Campaign
 from .dataset import check_suffix, load_dataset, save_dataset, sky_dataset, sky_variables
+from .store import SkyStore, empty_skies, refuse_another
 from .transfer.simulate_sky import simulate
 
 
@@ -66,8 +67,6 @@ def run_campaign(
             "run_campaign: expected workers and suns_per_call of 1 or more; "
             f"got {workers} and {suns_per_call}"
         )
-    from .store import SkyStore, empty_skies, refuse_another  # zarr takes a while to load
-
     template = empty_skies(campaign, _shapes(campaign), jnp.result_type(float))
     variables = {str(name): array.values for name, array in template.data_vars.items()}
     kept, done = None, np.zeros(campaign.sky_shape, bool)

@@ -4,10 +4,10 @@ import os
 import shutil
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
-import zarr
 
 from .campaign import Campaign
 from .dataset import check_suffix, sky_dataset, stored_attributes
@@ -32,6 +32,8 @@ class SkyStore:
     """
 
     def __init__(self, path: str | PathLike[str], template: xr.Dataset):
+        import zarr
+
         if check_suffix(path) != ".zarr":
             raise ValueError(f"{path}: only a .zarr store can be filled sky by sky")
         self.path = Path(path)
@@ -100,7 +102,9 @@ def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:
     return tuple(template["radiance"].shape[:-2])
 
 
-def _array(group: zarr.Group, name: str) -> zarr.Array:
+def _array(group: Any, name: str) -> Any:
+    import zarr
+
     array = group[name]
     if not isinstance(array, zarr.Array):
         raise ValueError(f"{group.store}: {name} is not an array")

@@ -17,6 +17,7 @@ import numpy as np
 from ..atmosphere import Atmosphere
 from ..campaign import half_dome
 from ..preetham_air import preetham_atmosphere
+from ..transfer.compiling import compile_quickly
 from ..transfer.simulate_sky import simulate
 
 
@@ -76,7 +77,6 @@ def measure(case: Case) -> dict[str, Any]:
     suns = np.radians(np.linspace(0.0, LOWEST_SUN_DEG, case.suns))[:, None]
     view, azimuth = case.directions()
 
-    @eqx.filter_jit
     def radiance(atmosphere: Atmosphere):
         sky = simulate(
             atmosphere, suns, view, azimuth, orders=case.orders, quality=case.quality
@@ -87,7 +87,7 @@ def measure(case: Case) -> dict[str, Any]:
     if case.keep:
         np.save(case.keep, np.asarray(radiance(atmosphere), float))
     if case.gradient:
-        gradient = eqx.filter_jit(eqx.filter_grad(lambda air: jnp.sum(radiance(air))))
+        gradient = compile_quickly(eqx.filter_grad(lambda air: jnp.sum(radiance(air))))
         slow = _timed(gradient, atmosphere, case.repeats)
         record |= {f"gradient_{name}": value for name, value in slow.items()}
     return record

@@ -53,8 +53,10 @@ class Quality(NamedTuple):
 
 
 # Where the field changes fast along a line of sight more suns are kept than by a quality's offsets:
-# under a low or set sun, and when the sun is not known before compiling.
-LOW_SUN_OFFSETS_DEG = (-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0)
+# under a low sun (the second order is within 0.3 % for it), and under one that has set or is not
+# known before compiling.
+LOW_SUN_OFFSETS_DEG = (-4.0, -1.5, 0.0, 1.5, 4.0)
+TWILIGHT_OFFSETS_DEG = (-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0)
 # From high up one sees air and ground under suns of their own.
 ALL_SUNS_DEG = (
     *(0.0, 12.0, 24.0, 36.0, 47.0, 57.0, 65.0, 71.0, 76.0, 80.0, 83.0, 85.0, 87.0, 88.5, 90.0),

@@ -12,17 +12,23 @@ from .._typing import Scalar, as_float, check, is_traced
 from ..angles import cos_view_sun_angle
 from ..atmosphere import Atmosphere, Constituent
 from .columns import SunColumns, sun_columns
-from .field import first_field, make_grid
+from .compiling import compile_quickly
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
-from .orders import gather, next_field, scatter
+from .orders import gather, successive
 from .paths import Kind
-from .quality import ALL_SUNS_DEG, LOW_SUN_OFFSETS_DEG, QUALITIES, Quality
+from .quality import (
+    ALL_SUNS_DEG,
+    LOW_SUN_OFFSETS_DEG,
+    QUALITIES,
+    TWILIGHT_OFFSETS_DEG,
+    Quality,
+)
 from .single import first_order
 from .views import Views, group
 
 
-Suns = Literal["near", "low", "all"]
+Suns = Literal["near", "low", "twilight", "all"]
 """For which suns the field is kept; see `quality`."""
 
 LOW_SUN = np.radians(86.0)
@@ -101,7 +107,8 @@ def simulate(
     day = rising and _known(sun, lambda s: s <= np.pi / 2)
     suns: Suns = "all"
     if _known(altitude, lambda h: h <= HIGH_UP):
-        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low"
+        low = "low" if _known(sun, lambda s: s <= np.pi / 2 + 1e-6) else "twilight"
+        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else low
     by_order = _simulate(
         _widened(atmosphere), views, count=sizes.orders if orders is None else orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
@@ -124,7 +131,7 @@ def _widened(atmosphere: Atmosphere) -> Atmosphere:
     return eqx.tree_at(lambda a: a.constituents, atmosphere, constituents)
 
 
-@eqx.filter_jit
+@compile_quickly
 def _simulate(
     atmosphere: Atmosphere,
     views: Views,
@@ -148,31 +155,17 @@ def _simulate(
         if count == 1:
             return first[None]
         nodes = _suns(view.sun, suns, flat, quality)
-        grid = make_grid(medium, nodes, quality.levels, quality.first)
-        higher = make_grid(medium, nodes, quality.levels, quality.higher)
-        field = first_field(medium, columns, grid, quality)
+        grid, sources = successive(medium, columns, nodes, count, quality)
 
-        def look(field):
-            source = scatter(atmosphere, field)
+        def along(ray, sun, meets):
+            light = gather(
+                medium, grid, sources, ray, sun,
+                kind=kind, nodes=quality.field_nodes,
+            )  # fmt: skip
+            return jnp.where(meets, light, 0.0)
 
-            def along(ray, sun, meets):
-                light = gather(
-                    medium, grid, source, ray, sun,
-                    kind=kind, nodes=quality.field_nodes,
-                )  # fmt: skip
-                return jnp.where(meets, light, 0.0)
-
-            return jax.vmap(along)(*eyes)
-
-        def step(field, _):
-            field = next_field(medium, higher, field, quality)
-            return field, look(field)
-
-        second = look(field)
-        if count == 2:
-            return jnp.stack([first, second])
-        _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
-        return jnp.concatenate([first[None], second[None], later])
+        higher_orders = jnp.moveaxis(jax.vmap(along)(*eyes), 2, 0)
+        return jnp.concatenate([first[None], higher_orders])
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
     return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
@@ -184,8 +177,12 @@ def _suns(sun: Scalar, suns: Suns, flat: bool, quality: Quality) -> Float[Array,
         return sun[None]
     if suns == "all":
         return jnp.radians(jnp.asarray(ALL_SUNS_DEG, sun.dtype))
-    offsets = quality.sun_offsets_deg if suns == "near" else LOW_SUN_OFFSETS_DEG
-    return sun + jnp.radians(jnp.asarray(offsets, sun.dtype))
+    offsets = {
+        "near": quality.sun_offsets_deg,
+        "low": LOW_SUN_OFFSETS_DEG,
+        "twilight": TWILIGHT_OFFSETS_DEG,
+    }
+    return sun + jnp.radians(jnp.asarray(offsets[suns], sun.dtype))
 
 
 def _eyes(planet: AbstractPlanet, view: Views, kind: Kind):
