@@ -205,9 +205,9 @@ def test_one_program_serves_every_turbidity_and_sun():
     try:
         for turbidity, sun in ((2.0, 0.1), (3, 0.5), (6.5, 1.2)):
             atm = skyfit.preetham_atmosphere(turbidity, wavelengths=[460.0, 610.0])
-            skyfit.simulate(atm, sun, VIEW, AZIMUTH, quality="draft")
+            skyfit.simulate(atm, sun, VIEW, AZIMUTH, orders=1, quality="draft")
             # Coefficients given for each wavelength, where they were one for all.
-            skyfit.simulate(only(atm, 0), sun, VIEW, AZIMUTH, quality="draft")
+            skyfit.simulate(only(atm, 0), sun, VIEW, AZIMUTH, orders=1, quality="draft")
     finally:
         skyfit.transfer.simulate_sky._first = original
     assert traced == 1
@@ -216,12 +216,14 @@ def test_one_program_serves_every_turbidity_and_sun():
 def test_arguments_broadcast_and_the_spectrum_is_last():
     atm = paper_air()
     suns = np.radians([[20.0], [60.0]])
-    sky = skyfit.simulate(atm, suns, VIEW, AZIMUTH, quality="draft")
-    assert sky.by_order.shape == (2, 2, 3, 3)
-    one = skyfit.simulate(atm, suns[1, 0], VIEW[2], AZIMUTH[2], quality="draft")
+    sky = skyfit.simulate(atm, suns, VIEW, AZIMUTH, orders=1, quality="draft")
+    assert sky.by_order.shape == (1, 2, 3, 3)
+    one = skyfit.simulate(atm, suns[1, 0], VIEW[2], AZIMUTH[2], orders=1, quality="draft")
     assert one.radiance.shape == (3,)
     np.testing.assert_allclose(sky.radiance[1, 2], one.radiance, rtol=1e-12)
-    swapped = skyfit.simulate(atm, suns.T, VIEW[:, None], AZIMUTH[:, None], quality="draft")
+    swapped = skyfit.simulate(
+        atm, suns.T, VIEW[:, None], AZIMUTH[:, None], orders=1, quality="draft"
+    )
     np.testing.assert_allclose(np.swapaxes(swapped.radiance, 0, 1), sky.radiance, rtol=1e-12)
 
 
