@@ -172,6 +172,18 @@ def test_a_directory_of_something_else_is_left_alone(source, rendered, tmp_path,
     assert rendered == []
 
 
+@pytest.mark.parametrize("left", ["record.json", "record.json.77.part"])
+def test_a_record_cut_short_does_not_stop_the_animation(source, rendered, tmp_path, left):
+    path = tmp_path / "day.gif"
+    frames_directory(path).mkdir()
+    (frames_directory(path) / left).write_bytes(b"")
+    with pytest.raises(KeyboardInterrupt):
+        animate(path, source, CAMERA, SUNS, progress=stop_after(2))
+    animate(path, source, CAMERA, SUNS)
+    assert len(rendered) == len(SUNS)
+    assert [file.name for file in tmp_path.iterdir()] == ["day.gif"]
+
+
 def test_only_its_own_files_are_removed(begun, source):
     foreign = frames_directory(begun) / "notes.txt"
     foreign.write_text("precious")

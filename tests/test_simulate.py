@@ -193,6 +193,7 @@ SUN, VIEW, AZIMUTH = np.radians(50.0), np.radians([0, 40, 80]), np.radians([0, 3
 
 
 def test_one_program_serves_every_turbidity_and_sun():
+    jax.clear_caches()
     traced = 0
     original = skyfit.transfer.simulate_sky._first
 

@@ -127,7 +127,8 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
                     progress=lambda done, total: bar("frames", done, total), **saved, **shown,
                 )  # fmt: skip
             except KeyboardInterrupt:
-                if not kept.exists():
+                written = out.exists() and not options["overwrite"]
+                if written or not (kept / "record.json").exists():
                     raise
                 done = f"{len(list(kept.glob('*.light')))} of {len(suns)} frames are in {kept}"
                 return complain(f"interrupted: {done}; the same command continues", INTERRUPTED)

@@ -98,7 +98,7 @@ def _emitter(turbidity: float, ground_albedo: float, sun: float):
         found = []
         # Four wavelengths at a time; the last are filled up with the last one.
         for first in range(0, wavelengths.size, 4):
-            four = np.where(wavelengths == 720, LONGEST, wavelengths)[first : first + 4]
+            four = np.minimum(wavelengths, LONGEST)[first : first + 4]
             interaction.wavelengths = [*four, *[four[-1]] * (4 - four.size)]
             found.extend(list(emitter.eval(interaction))[: four.size])
         return np.array(found)

@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -64,7 +65,7 @@ class FrameStore:
         self.directory, self._shape = Path(directory), shape
         self._record = json.dumps(record, indent=1)
         self._key = json.dumps([record[name] for name in _ANOTHER])
-        if self.directory.is_dir() and not any(self.directory.iterdir()):
+        if self.directory.is_dir() and not any(map(self._of_value, self.directory.iterdir())):
             return
         if self.directory.exists():
             self._refuse_another(record)
@@ -85,7 +86,7 @@ class FrameStore:
         """Write a frame to disk."""
         self.directory.mkdir(exist_ok=True)
         record = self.directory / _RECORD
-        if not record.exists():
+        if not record.exists() or record.stat().st_size == 0:
             _write_whole(record, self._record.encode())
         body = np.array(frame.exposure, "<f8").tobytes() + frame.rgb.astype("<f4").tobytes()
         _write_whole(self._file(number), self._seal(number, body) + body)
@@ -93,10 +94,15 @@ class FrameStore:
     def remove(self, count: int) -> None:
         """Delete `count` frames, their record, and the directory if nothing else is in it."""
         for file in (*map(self._file, range(count)), self.directory / _RECORD):
-            _part(file).unlink(missing_ok=True)
-            file.unlink(missing_ok=True)
+            for name in (file, *_parts(file)):
+                name.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
             self.directory.rmdir()
+
+    def _of_value(self, file: Path) -> bool:
+        """Not what is left of a record whose writing was cut short."""
+        record = self.directory / _RECORD
+        return file not in _parts(record) and (file != record or file.stat().st_size > 0)
 
     def _file(self, number: int) -> Path:
         return self.directory / f"frame-{number + 1:04d}.light"
@@ -162,4 +168,9 @@ def _write_whole(path: Path, content: bytes) -> None:
 
 
 def _part(path: Path) -> Path:
-    return path.with_name(f"{path.name}.part")
+    return path.with_name(f"{path.name}.{os.getpid()}.part")
+
+
+def _parts(path: Path) -> list[Path]:
+    """What any process has left of a file that it had begun."""
+    return list(path.parent.glob(f"{path.name}.*.part"))

@@ -47,26 +47,20 @@ class Grid(eqx.Module):
 
 
 class Field(eqx.Module):
-    """Light of one order or some, one by one, per unit of solar irradiance [sr⁻¹].
+    """Light of one order, per unit of solar irradiance [sr⁻¹].
 
     Attributes:
         moments: ∫ P̄_lm(μ) cos(mφ) L dω at each level and sun.
         irradiance: Downwards, on the ground, under each sun [1].
     """
 
-    moments: Float[Array, "level m l order sun wavelength"]
-    irradiance: Float[Array, "order sun wavelength"]
+    moments: Float[Array, "level m l sun wavelength"]
+    irradiance: Float[Array, "sun wavelength"]
 
     def up_to(self, directions: Directions) -> "Field":
         """The same without the harmonics beyond what some directions resolve."""
         modes, degree = directions.modes, directions.degree
         return Field(self.moments[:, : modes + 1, : degree + 1], self.irradiance)
-
-    @classmethod
-    def one_by_one(cls, fields: "Field") -> "Field":
-        """From fields of one order each, stacked along a new first axis."""
-        moments = jnp.moveaxis(fields.moments[:, :, :, :, 0], 0, 3)
-        return cls(moments, fields.irradiance[:, 0])
 
 
 def make_grid(
@@ -163,7 +157,7 @@ def first_field(
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
-    return Field(moments[:, :, :, None], irradiance[:1])
+    return Field(moments, irradiance[0])
 
 
 def _azimuth_rule(quality: Quality, flat: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -13,9 +13,8 @@ from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
-from .columns import SunColumns
 from .fan import make_fan
-from .field import Field, Grid, first_field, make_grid, project
+from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
@@ -25,20 +24,15 @@ from .quality import Quality
 
 
 class Source(eqx.Module):
-    """What a field sends on, order by order, per density: by constituent, and from the ground.
+    """What a field sends on, per unit of density: by constituent, and from the ground.
 
     Attributes:
         scattered: For each constituent, harmonics of ∫ β p L dω [m⁻¹ sr⁻¹], up to its degree.
         ground: Radiance of the ground under each sun [sr⁻¹].
     """
 
-    scattered: tuple[Float[Array, "level _m _l order sun wavelength"], ...]
-    ground: Float[Array, "order sun wavelength"]
-
-    def modes_and_degree(self) -> tuple[int, int]:
-        """Highest azimuthal mode and degree of the harmonics."""
-        order, degree = (max(part.shape[axis] for part in self.scattered) - 1 for axis in (1, 2))
-        return order, degree
+    scattered: tuple[Float[Array, "level _m _l sun wavelength"], ...]
+    ground: Float[Array, "sun wavelength"]
 
 
 def scatter(atmosphere: Atmosphere, field: Field) -> Source:
@@ -50,16 +44,16 @@ def scatter(atmosphere: Atmosphere, field: Field) -> Source:
         top = degree if highest is None else min(degree, highest)
         norm = (2 * np.arange(top + 1)[:, None] + 1) / (4 * np.pi)
         chi = one.phase.legendre(top) * jnp.asarray(norm, field.moments.dtype)
-        strength = (chi * one.scattering[None, :])[None, None, :, None, None, :]
+        strength = (chi * one.scattering[None, :])[None, None, :, None, :]
         sources.append(strength * field.moments[:, : top + 1, : top + 1])
-    ground = atmosphere.ground_albedo[None, None, :] / np.pi * field.irradiance
+    ground = atmosphere.ground_albedo[None, :] / np.pi * field.irradiance
     return Source(tuple(sources), ground)
 
 
 def send(
     medium: Medium,
     grid: Grid,
-    sources: tuple[Source, ...],
+    source: Source,
     ray: Ray,
     leg: Leg,
     start: Scalar,
@@ -68,13 +62,13 @@ def send(
     strikes: Bool[Array, ""],
     sun: SunDirection,
     nodes: int,
-) -> Float[Array, "*out order wavelength"]:
-    """Light that sources send along one leg of a ray, under one or many suns.
+) -> Float[Array, "*out wavelength"]:
+    """Light that a source sends along one leg of a ray, under one or many suns.
 
     Args:
         medium: What the light crosses.
-        grid: Where the sources are known.
-        sources: See `scatter`.
+        grid: Where the source is known.
+        source: See `scatter`.
         ray: The line of sight, from inside the atmosphere.
         leg: One of its legs.
         start: Where the leg begins to matter, from its lowest point [m].
@@ -85,19 +79,25 @@ def send(
         nodes: On the leg.
 
     Returns:
-        Per unit of solar irradiance [sr⁻¹], in the shape of `sun`; all orders of the first source,
-        then those of the next.
+        Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
     """
     extinction = medium.atmosphere.extinction
-    order, degree = map(max, zip(*(source.modes_and_degree() for source in sources), strict=True))
+    order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
     path = sample(medium, leg, start, leg.length, nodes)
     arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
     near = lagrange_weights(grid.altitude, path.altitude)
-    weight = jnp.einsum("ni,nw,nk->ikw", path.weight, arriving, near)
-    through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
     sine = medium.planet.sine_at_level(ray, grid.altitude)
     harmonics = legendre(degree, order, crossing, sine)
+    levels, suns, wavelengths = crossing.size, *source.ground.shape
+    sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
+    for number, part in enumerate(source.scattered):
+        weight = jnp.einsum("n,nw,nk->kw", path.weight[:, number], arriving, near)
+        modes, degrees = part.shape[1:3]
+        here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:modes, :degrees], part)
+        sent = sent.at[:, :modes].add(weight[:, None, None, :] * here)
+    through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
+    sent = sent.at[0, 0].add(through[None, :] * source.ground)
     turn = medium.planet.turn_sun
     for _ in sun.up.shape:
         turn = jax.vmap(turn, in_axes=(0, None, None))
@@ -105,40 +105,26 @@ def send(
     there = turn(sun, ray, distance)
     modes = cosines(order, there.cos_azimuth())
     between = lagrange_weights(grid.sun_zenith, there.zenith())
-    light = []
-    for source in sources:
-        highest = source.modes_and_degree()[0]
-        sent = jnp.zeros((near.shape[1], highest + 1, *source.ground.shape), arriving.dtype)
-        for number, part in enumerate(source.scattered):
-            count, degrees = part.shape[1:3]
-            here = jnp.einsum("mlk,kmlosw->kmosw", harmonics[:count, :degrees], part)
-            sent = sent.at[:, :count].add(weight[number][:, None, None, None, :] * here)
-        sent = sent.at[0, 0].add(through[None, None, :] * source.ground)
-        light.append(
-            jnp.einsum(
-                "m...k,...ks,kmosw->...ow", modes[: highest + 1], between, sent, optimize="optimal"
-            )
-        )
-    return jnp.concatenate(light, axis=-2)
+    return jnp.einsum("m...k,...ks,kmsw->...w", modes, between, sent, optimize="optimal")
 
 
 def gather(
     medium: Medium,
     grid: Grid,
-    sources: tuple[Source, ...],
+    source: Source,
     ray: Ray,
     sun: SunDirection,
     *,
     kind: Kind,
     nodes: int,
-) -> Float[Array, "*out order wavelength"]:
-    """Light that sources send along one line of sight; arguments as for `send`."""
+) -> Float[Array, "*out wavelength"]:
+    """Light that a source sends along one line of sight; arguments as for `send`."""
     farthest, _ = medium.sight()
     none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
 
     def sent_along(leg, start, offset, to_ground, strikes):
         return send(
-            medium, grid, sources, ray, leg, start, offset, to_ground, strikes, sun,
+            medium, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
             nodes,
         )  # fmt: skip
 
@@ -158,8 +144,8 @@ def gather(
 
 
 def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Field:
-    """The field of the order after the only one of a field, at every level and sun."""
-    sources = (scatter(medium.atmosphere, field),)
+    """The field of the next order, at every level and sun."""
+    source = scatter(medium.atmosphere, field)
     suns = grid.sun_from()
 
     def at_level(level):
@@ -171,11 +157,10 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
         strikes = jnp.arange(others + falls) >= others
 
         def along(ray, leg, start, offset, column, strikes):
-            light = send(
-                medium, grid, sources, ray, leg, start, offset, column, strikes, suns,
+            return send(
+                medium, grid, source, ray, leg, start, offset, column, strikes, suns,
                 quality.field_nodes,
             )  # fmt: skip
-            return light[..., 0, :]
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
@@ -183,27 +168,4 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
-    return Field(moments[:, :, :, None], irradiance[:1])
-
-
-def successive(
-    medium: Medium,
-    columns: SunColumns,
-    sun_zenith: Float[Array, " sun"],
-    count: int,
-    quality: Quality,
-) -> tuple[Grid, tuple[Source, ...]]:
-    """What orders 2 to `count` are gathered from: their sources, and the grid they are kept on."""
-    grid = make_grid(medium, sun_zenith, quality.levels, quality.first)
-    field = first_field(medium, columns, grid, quality)
-    second = scatter(medium.atmosphere, field)
-    if count == 2:
-        return grid, (second,)
-    higher = make_grid(medium, sun_zenith, quality.levels, quality.higher)
-
-    def step(field, _):
-        field = next_field(medium, higher, field, quality)
-        return field, field
-
-    _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
-    return grid, (second, scatter(medium.atmosphere, Field.one_by_one(later)))
+    return Field(moments, irradiance[0])

@@ -36,7 +36,8 @@ class Quality(NamedTuple):
         higher: Directions of the later orders' fields: each scattering smooths them. Neither its
             degree nor its modes may exceed those of `first`.
         sun_azimuths: Azimuths at which the first order is integrated along a ray.
-        sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree].
+        sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree]; more
+            are kept under a low sun.
         orders: How many orders `orders=None` computes before the geometric tail.
     """
 
@@ -52,9 +53,9 @@ class Quality(NamedTuple):
     orders: int
 
 
-# Where the field changes fast along a line of sight more suns are kept than by a quality's offsets:
-# under a low sun (the second order is within 0.3 % for it), and under one that has set or is not
-# known before compiling.
+# Where the field changes fast along a line of sight at least so many suns are kept, whatever the
+# quality: seen from the ground, under a sun up to 4° above the horizon (the second order is within
+# 0.3 % of that with seventeen suns); and wherever the sun has set or is not known before compiling.
 LOW_SUN_OFFSETS_DEG = (-4.0, -1.5, 0.0, 1.5, 4.0)
 TWILIGHT_OFFSETS_DEG = (-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0)
 # From high up one sees air and ground under suns of their own.

@@ -13,9 +13,10 @@ from ..angles import cos_view_sun_angle
 from ..atmosphere import Atmosphere, Constituent
 from .columns import SunColumns, sun_columns
 from .compiling import compile_quickly
+from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
-from .orders import gather, successive
+from .orders import gather, next_field, scatter
 from .paths import Kind
 from .quality import (
     ALL_SUNS_DEG,
@@ -107,8 +108,7 @@ def simulate(
     day = rising and _known(sun, lambda s: s <= np.pi / 2)
     suns: Suns = "all"
     if _known(altitude, lambda h: h <= HIGH_UP):
-        low = "low" if _known(sun, lambda s: s <= np.pi / 2 + 1e-6) else "twilight"
-        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else low
+        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
     by_order = _simulate(
         _widened(atmosphere), views, count=sizes.orders if orders is None else orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
@@ -155,17 +155,31 @@ def _simulate(
         if count == 1:
             return first[None]
         nodes = _suns(view.sun, suns, flat, quality)
-        grid, sources = successive(medium, columns, nodes, count, quality)
+        grid = make_grid(medium, nodes, quality.levels, quality.first)
+        higher = make_grid(medium, nodes, quality.levels, quality.higher)
+        field = first_field(medium, columns, grid, quality)
 
-        def along(ray, sun, meets):
-            light = gather(
-                medium, grid, sources, ray, sun,
-                kind=kind, nodes=quality.field_nodes,
-            )  # fmt: skip
-            return jnp.where(meets, light, 0.0)
+        def look(field):
+            source = scatter(atmosphere, field)
 
-        higher_orders = jnp.moveaxis(jax.vmap(along)(*eyes), 2, 0)
-        return jnp.concatenate([first[None], higher_orders])
+            def along(ray, sun, meets):
+                light = gather(
+                    medium, grid, source, ray, sun,
+                    kind=kind, nodes=quality.field_nodes,
+                )  # fmt: skip
+                return jnp.where(meets, light, 0.0)
+
+            return jax.vmap(along)(*eyes)
+
+        def step(field, _):
+            field = next_field(medium, higher, field, quality)
+            return field, look(field)
+
+        second = look(field)
+        if count == 2:
+            return jnp.stack([first, second])
+        _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
+        return jnp.concatenate([first[None], second[None], later])
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
     return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
@@ -179,7 +193,7 @@ def _suns(sun: Scalar, suns: Suns, flat: bool, quality: Quality) -> Float[Array,
         return jnp.radians(jnp.asarray(ALL_SUNS_DEG, sun.dtype))
     offsets = {
         "near": quality.sun_offsets_deg,
-        "low": LOW_SUN_OFFSETS_DEG,
+        "low": max(quality.sun_offsets_deg, LOW_SUN_OFFSETS_DEG, key=len),
         "twilight": TWILIGHT_OFFSETS_DEG,
     }
     return sun + jnp.radians(jnp.asarray(offsets[suns], sun.dtype))
