@@ -70,5 +70,6 @@ def test_the_command_prints_tables_or_json(monkeypatch, capsys):
     printed = capsys.readouterr().out
     for title in ("343 directions", "Gradient by every number", "Growth"):
         assert title in printed
+    assert "processor s / sky" in printed  # a head in one line, though this is no terminal
     assert cli.run([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["skies"][0]["orders"] == 2

@@ -9,6 +9,7 @@ import click
 
 
 MISTAKE, BUG, INTERRUPTED = 2, 1, 130  # exit statuses
+_WHOLE_TABLE = 140  # columns of the widest, `skyfit ladder`'s; rich takes 80 where it cannot ask
 
 
 def complain(message: str, status: int) -> int:
@@ -56,7 +57,8 @@ def print_record(record: dict[str, Any], as_json: bool) -> None:
 
 
 def console():
-    """Standard output, without highlighting of numbers."""
+    """Standard output, without highlighting of numbers; into a file or pipe tables go whole."""
     from rich.console import Console
 
-    return Console(highlight=False)
+    terminal = Console(highlight=False)
+    return terminal if terminal.is_terminal else Console(highlight=False, width=_WHOLE_TABLE)
