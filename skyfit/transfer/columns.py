@@ -1,30 +1,37 @@
-"""Columns between air and sun, tabulated over altitude and the sun's zenith angle."""
+"""Columns between air and sun.
 
-from functools import partial
+A ray to the sun is followed to the next shell edge, where columns are tabulated by the zenith
+angle at that edge: no table is read between altitudes, so kinks and thin layers are exact. Above
+an edge the column is the vertical one times an air mass, whose inverse is smooth in the cosine of
+the zenith angle. A sun below the horizontal is seen through the lowest point of its ray: twice the
+column from there less the column to a sun as far above the horizontal.
+"""
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .geometry import AbstractPlanet, Spherical
+from .geometry import Spherical
 from .medium import Medium
-from .paths import column_along, limb_legs, rising_leg
+from .paths import column_along, rising_leg
+from .quadrature import cubic_stencil, gauss
+
+
+_GROWTH = 5.0  # of zenith cosines at an edge, from the horizontal on
 
 
 class SunColumns(eqx.Module):
     """Columns from any point to the top of the atmosphere, towards the sun.
 
-    A table over altitude and the sun's zenith cosine, read with bicubic interpolation. Its
-    coordinates stretch the ground and the horizon (after Bruneton & Neyret 2008, section 4).
-
     Attributes:
-        planet: Its shape.
-        table: Columns; a flat planet's has one angle, the vertical.
+        medium: The atmosphere on its planet.
+        inverse_airmass: Above each edge, over zenith cosines there; none for a flat planet.
     """
 
-    planet: AbstractPlanet
-    table: Float[Array, "altitude angle species"]
+    medium: Medium
+    inverse_airmass: Float[Array, "edge angle species"] | None
 
     def __call__(
         self, altitude: Float[Array, "*b"], mu: Float[Array, "*b"]
@@ -33,90 +40,75 @@ class SunColumns(eqx.Module):
 
         Where it is not, the column is that to the zenith.
         """
-        horizon = self.planet.horizon(altitude)
-        lit = mu > horizon
-        up = jnp.where(lit, mu, 1.0)
-        row = self.planet.stretch(altitude) * (self.table.shape[0] - 1)
-        if self.table.shape[1] == 1:
-            vertical = _interpolate(self.table[:, 0], row)
-            return jnp.maximum(vertical, 0.0) / up[..., None], lit
-        column = _stretch((up - horizon) / (1 - horizon)) * (self.table.shape[1] - 1)
-        # A cubic may swing below zero where a constituent ends.
-        return jnp.maximum(_interpolate2(self.table, row, column), 0.0), lit
+        planet = self.medium.planet
+        lit = mu > planet.horizon(altitude)
+        towards = jnp.where(lit, mu, 1.0)
+        rising = self._rising(altitude, jnp.abs(towards))
+        if self.inverse_airmass is None:
+            return rising, lit
+        below = towards < 0
+        _, lowest = planet.lowest(altitude, jnp.where(below, towards, 0.0))
+        horizontal = self._rising(lowest, jnp.zeros_like(lowest))
+        through = jnp.maximum(2 * horizontal - rising, rising)
+        return jnp.where(below[..., None], through, rising), lit
+
+    def _rising(self, altitude, mu):
+        """Columns towards zenith cosines of 0 or more."""
+        medium, planet = self.medium, self.medium.planet
+        shell = medium.shell(altitude)
+        low, edge = _at(medium.edges, shell), _at(medium.edges, shell + 1)
+        depth = jnp.where(edge > low, edge - low, 1.0)
+        above = _at(medium.above, shell + 1)
+        flat = self.inverse_airmass is None
+        mu = jnp.maximum(mu, 1e-9) if flat else mu
+        distance = jnp.maximum(planet.to_level(altitude, mu, edge), 0.0)
+        cubics = _at(jnp.moveaxis(medium.cubics, -1, 0), shell)  # [..., species, power]
+        inside = jnp.zeros_like(above)
+        for x, w in zip(*gauss(3), strict=True):
+            here = planet.advance(altitude, mu, float(x) * distance)[0]
+            share = jnp.clip((here - low) / depth, 0.0, 1.0)[..., None]
+            c0, c1, c2, c3 = (cubics[..., power] for power in range(4))
+            inside = inside + float(w) * (c0 + share * (c1 + share * (c2 + share * c3)))
+        inside = jnp.maximum(inside, 0.0) * distance[..., None]
+        if self.inverse_airmass is None:
+            return inside + above / mu[..., None]
+        crossing = planet.mu_at_level(altitude, mu, edge)
+        return inside + above / self._inverse_airmass(shell + 1, crossing)
+
+    def _inverse_airmass(self, row, mu):
+        assert self.inverse_airmass is not None
+        edges, angles, species = self.inverse_airmass.shape
+        position = jnp.log1p(mu * float(np.expm1(_GROWTH))) / _GROWTH * (angles - 1)
+        first, weights = cubic_stencil(position, angles)
+        flat = self.inverse_airmass.reshape(edges * angles, species)
+        near = [_at(flat, row * angles + first + k) for k in range(4)]
+        value = sum(weight[..., None] * one for weight, one in zip(weights, near, strict=True))
+        # Monotonic in the cosine: no overshoot past the outer neighbours.
+        return jnp.clip(value, near[0], near[3])
 
 
-def sun_columns(medium: Medium, altitudes: int, angles: int) -> SunColumns:
-    """Tabulate the columns towards the sun."""
+def sun_columns(medium: Medium, angles: int) -> SunColumns:
+    """Tabulate air masses above the edges of the shells."""
     planet = medium.planet
-    altitude = planet.unstretch(jnp.linspace(0.0, 1.0, altitudes, dtype=planet.top.dtype))
+    if not isinstance(planet, Spherical):
+        return SunColumns(medium, None)
+    x = np.expm1(_GROWTH * np.linspace(0, 1, angles)) / np.expm1(_GROWTH)
+    cosines = jnp.asarray(x, medium.edges.dtype)
 
     def one(h, mu):
-        none = jnp.zeros_like(h)
-        falling, rising = limb_legs(planet, h, jnp.minimum(mu, 0.0), none + jnp.inf)
-        up = rising_leg(planet, h, jnp.maximum(mu, 0.0), none + jnp.inf)
-        falls = mu < 0
-        leg = jax.tree.map(partial(jnp.where, falls), rising, up)
-        dip = jnp.where(falls, falling.length, 0.0)
-        out = column_along(medium, leg, none, leg.length)
-        return out + column_along(medium, leg, none, dip)
+        leg = rising_leg(planet, h, mu, jnp.zeros_like(h) + jnp.inf)
+        return column_along(medium, leg, jnp.zeros_like(h), leg.length)
 
-    over_angles = jax.vmap(one, in_axes=(None, 0))
-    if isinstance(planet, Spherical):
-        w = _unstretch(jnp.linspace(0.0, 1.0, angles, dtype=altitude.dtype))
-        horizon = planet.horizon(altitude)[:, None]
-        mu = horizon + (1 - horizon) * w[None, :]
-        # One altitude at a time stays in the cache; a gradient goes over each once more in place of
-        # a gigabyte of notes.
-        row = jax.checkpoint(over_angles)
-        table = jax.lax.map(lambda levels: row(*levels), (altitude, mu))
-        return SunColumns(planet, table)
-    up = jnp.ones((altitudes, 1), altitude.dtype)
-    return SunColumns(planet, jax.vmap(over_angles)(altitude, up))
+    # One altitude at a time stays in the cache; a gradient goes over each once more in place of a
+    # gigabyte of notes.
+    row = jax.checkpoint(jax.vmap(one, in_axes=(None, 0)))
+    slant = jax.lax.map(lambda h: row(h, cosines), medium.edges)
+    vertical = medium.above[:, None, :]
+    some = (vertical > 0) & (slant > 0)
+    inverse = jnp.where(some, vertical, 1.0) / jnp.where(some, slant, 1.0)
+    return SunColumns(medium, jnp.where(some, inverse, 1.0))
 
 
-_OFFSET = 1e-3  # of the square-root coordinate; it keeps its slope at the horizon finite
-
-
-def _stretch(share):
-    """Square root of a share in [0, 1], offset and rescaled to [0, 1]."""
-    share = jnp.maximum(share, 0.0)
-    return jnp.sqrt(share * (1 + 2 * _OFFSET) + _OFFSET**2) - _OFFSET
-
-
-def _unstretch(x):
-    return ((x + _OFFSET) ** 2 - _OFFSET**2) / (1 + 2 * _OFFSET)
-
-
-def _cubic(position, count):
-    """First of four neighbours on a uniform grid, and their Lagrange weights."""
-    first = jnp.clip(jnp.floor(position).astype(int) - 1, 0, count - 4)
-    t = position - first.astype(position.dtype)
-    a, b, c, d = t, t - 1, t - 2, t - 3
-    weights = (-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6)
-    return first, weights
-
-
-def _interpolate(table, position):
-    first, weights = _cubic(position, table.shape[0])
-    total = jnp.zeros((*position.shape, table.shape[-1]), table.dtype)
-    for k, weight in enumerate(weights):
-        total = total + weight[..., None] * _rows(table, first + k)
-    return total
-
-
-def _interpolate2(table, row, column):
-    rows, columns, _ = table.shape
-    flat = table.reshape(rows * columns, -1)
-    first_row, row_weights = _cubic(row, rows)
-    first_column, column_weights = _cubic(column, columns)
-    total = jnp.zeros((*row.shape, flat.shape[-1]), flat.dtype)
-    for i, wi in enumerate(row_weights):
-        start = (first_row + i) * columns + first_column
-        for j, wj in enumerate(column_weights):
-            total = total + (wi * wj)[..., None] * _rows(flat, start + j)
-    return total
-
-
-def _rows(table, index):
+def _at(table, index):
     """Rows of a table at indices known to lie in it."""
     return table.at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)

@@ -60,7 +60,7 @@ def make_fan(
     directions: Directions,
 ) -> Fan:
     """Cut the rays of a level; `mu` are their zenith cosines in the order rising, limb, falling."""
-    farthest, _ = medium.sight()
+    farthest = medium.sight()
     up = directions.up
     limb = 0 if isinstance(medium.planet, Flat) else directions.limb
 

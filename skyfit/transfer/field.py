@@ -4,6 +4,8 @@ The field of one order is kept as spherical-harmonic moments at a few altitudes 
 few zenith angles of the sun: along a line of sight the vertical turns, and with it the sun.
 """
 
+from functools import partial
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,14 +15,12 @@ from jaxtyping import Array, Float
 from .columns import SunColumns
 from .fan import make_fan
 from .geometry import Flat, SunDirection
-from .harmonics import cosines, legendre
+from .harmonics import legendre
 from .medium import Medium
+from .paths import sample
 from .quadrature import gauss, safe_sqrt
 from .quality import Directions, Quality
-from .single import along_leg, from_ground
-
-
-_LEVEL_GROWTH = 5.0  # levels at (e^{5x} - 1)/(e⁵ - 1) of the top: 160 m to 12 km apart under 60 km
+from .single import along_path, dimming, from_ground
 
 
 class Grid(eqx.Module):
@@ -28,6 +28,7 @@ class Grid(eqx.Module):
 
     Attributes:
         altitude: Of the levels [m].
+        level: Their coordinate, almost evenly from 0 to 1; see `Medium`.
         sun_zenith: Of the suns, increasing [rad].
         mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
         weight: Of each direction; over a level and 2π of azimuth they sum to 4π.
@@ -35,6 +36,7 @@ class Grid(eqx.Module):
     """
 
     altitude: Float[Array, " level"]
+    level: Float[Array, " level"]
     sun_zenith: Float[Array, " sun"]
     mu: Float[Array, "level ray"]
     weight: Float[Array, "level ray"]
@@ -63,13 +65,19 @@ class Field(eqx.Module):
         return Field(self.moments[:, : modes + 1, : degree + 1], self.irradiance)
 
 
+    def plus(self, more: "Field", start: int) -> "Field":
+        """The same and a smoother field, whose channels begin at one of these."""
+        modes, degrees = more.moments.shape[1:3]
+        moments = self.moments.at[:, :modes, :degrees, :, start:].add(more.moments)
+        return Field(moments, self.irradiance.at[:, start:].add(more.irradiance))
+
+
 def make_grid(
     medium: Medium, sun_zenith: Float[Array, " sun"], levels: int, directions: Directions
 ) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
-    x = np.linspace(0, 1, levels)
-    share = np.expm1(_LEVEL_GROWTH * x) / np.expm1(_LEVEL_GROWTH)
-    altitude = medium.planet.top * jnp.asarray(share, medium.planet.top.dtype)
+    even = jnp.linspace(0, 1, levels, dtype=medium.edges.dtype)
+    altitude = jnp.interp(even, medium.coordinate, medium.edges)
     horizon = medium.planet.horizon(altitude)[:, None]
     horizon = jnp.where(altitude[:, None] > 0, horizon, 0.0)
 
@@ -87,91 +95,107 @@ def make_grid(
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
-    return Grid(altitude, sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
+    return Grid(altitude, medium.level_at(altitude), sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
 
 
 def project(
-    grid: Grid,
     mu: Float[Array, " ray"],
     weight: Float[Array, " ray"],
-    light: Float[Array, "ray azimuth sun wavelength"],
-    directions: Directions,
-) -> tuple[Float[Array, "m l sun wavelength"], Float[Array, "sun wavelength"]]:
-    """Moments of the light at one level, and its downward irradiance."""
-    count = grid.cos_azimuth.shape[0]
-    degree, order = directions.degree, directions.modes
-    modes = cosines(order, grid.cos_azimuth) / count
-    by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
-    polynomials = legendre(degree, order, mu, safe_sqrt(1 - mu**2)) * weight[None, None, :]
-    moments = jnp.einsum("mlr,mrsw->mlsw", polynomials, by_mode)
+    by_mode: Float[Array, "mode ray sun channel"],
+    degree: int,
+) -> tuple[Float[Array, "mode l sun channel"], Float[Array, "sun channel"]]:
+    """Moments of the light at one level, and its downward irradiance.
+
+    Args:
+        mu: Zenith cosines of directions.
+        weight: Of each.
+        by_mode: Mean over azimuth of cos(mφ) L.
+        degree: Highest of the harmonics.
+    """
+    polynomials = legendre(degree, by_mode.shape[0] - 1, mu, safe_sqrt(1 - mu**2))
+    moments = jnp.einsum("mlr,mrsw->mlsw", polynomials * weight[None, None, :], by_mode)
     downward = weight * jnp.maximum(mu, 0.0)
     return moments, jnp.einsum("r,rsw->sw", downward, by_mode[0])
 
 
-def first_field(
-    medium: Medium,
-    columns: SunColumns,
-    grid: Grid,
-    quality: Quality,
-) -> Field:
-    """The first order at every level: sunlight scattered once, and lit ground."""
-    nodes, spread = _azimuth_rule(quality, isinstance(medium.planet, Flat))
-    cos_nodes = jnp.asarray(nodes, grid.mu.dtype)
-    spread = jnp.asarray(spread, grid.mu.dtype)
-    zenith, cosine = jnp.broadcast_arrays(grid.sun_zenith[None, :], cos_nodes[:, None])
-    node_suns = SunDirection.from_angles(zenith, cosine)
-    suns = grid.sun_from()
+def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
+    """The first order at every level: sunlight scattered once, and lit ground.
+
+    Light is kept by azimuthal mode throughout. What phase functions multiply is a polynomial in
+    the cosine of the azimuth, through a few nodes: over a sphere it depends on azimuth only
+    through the turning vertical, over a plane not at all.
+    """
+    medium, directions = columns.medium, quality.first
+    order = directions.modes
+    nodes = 1 if isinstance(medium.planet, Flat) else quality.sun_azimuths
+    cos_nodes = np.cos(np.pi * np.arange(nodes) / max(nodes - 1, 1))
+    to_modes = np.linalg.inv(np.polynomial.chebyshev.chebvander(cos_nodes, nodes - 1))
+    to_modes = jnp.asarray(to_modes, grid.mu.dtype)
+    zenith, cosine = jnp.broadcast_arrays(
+        grid.sun_zenith[None, :], jnp.asarray(cos_nodes, grid.mu.dtype)[:, None]
+    )
+    suns = SunDirection.from_angles(zenith, cosine)
+    middle = SunDirection.from_angles(
+        grid.sun_zenith[grid.sun_zenith.size // 2], jnp.zeros_like(grid.sun_zenith[0])
+    )
+    optics = medium.optics
+    sun_up, sun_sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
 
     def at_level(level):
         altitude, mu, weight = level
-        fan = make_fan(medium, altitude, mu, quality.first)
+        fan = make_fan(medium, altitude, mu, directions)
 
         def along(ray, leg, start, offset):
-            def under(sun):
-                return along_leg(
-                    medium, columns, ray, leg, (start, leg.length), offset, sun,
-                    quality.field_nodes,
-                )  # fmt: skip
-
-            return jax.vmap(jax.vmap(under))(node_suns)
+            shade = dimming(columns, ray, middle)
+            path = sample(medium, leg, start, leg.length, quality.field_panels, shade)
+            under = partial(along_path, columns, ray, leg, path, offset, orders=1)
+            return jax.vmap(jax.vmap(lambda sun: under(sun)[0]))(suns)
 
         def ground_along(ray, leg, to_ground):
-            def under(sun):
-                return from_ground(medium, columns, ray, leg.low_distance, to_ground, sun)
-
-            return jax.vmap(jax.vmap(under))(node_suns)
+            under = partial(from_ground, columns, ray, leg.low_distance, to_ground)
+            return jax.vmap(jax.vmap(lambda sun: under(sun)[0]))(suns)
 
         strength = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset)
         lit_ground = jax.vmap(ground_along)(*fan.falling(), fan.to_ground)
-        # [ray, node, sun, species, wavelength]
+        # [ray, node, sun, species, channel]
         strength = fan.collect(strength, jnp.zeros_like(strength[: lit_ground.shape[0]]))
+        strength = jnp.einsum("kn,rnsiw->kirsw", to_modes, strength)
         rays = jnp.zeros((fan.up + fan.limb, *lit_ground.shape[1:]), lit_ground.dtype)
         ground = jnp.concatenate([rays, lit_ground])
-        sine = safe_sqrt(1 - mu**2)[:, None, None]
-        cos_gamma = mu[:, None, None] * suns.up[None] + sine * suns.ahead[None]
-        light = jnp.einsum("an,rnsw->rasw", spread, ground)
-        for number, one in enumerate(medium.atmosphere.constituents):
-            here = jnp.einsum("an,rnsw->rasw", spread, strength[..., number, :])
-            light = light + one.phase.spectral(cos_gamma) * here
-        return project(grid, mu, weight, light, quality.first)
+        ground = jnp.einsum("kn,rnsw->krsw", to_modes, ground)
+        light = jnp.zeros((order + 1, *ground.shape[1:]), ground.dtype).at[:nodes].add(ground)
+        sine = safe_sqrt(1 - mu**2)
+        for number, harmonics in enumerate(optics.harmonics):
+            degree = harmonics.shape[0] - 1
+            modes = min(order, degree)
+            norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
+            scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
+            seen = legendre(degree, modes, mu, sine)
+            lit = legendre(degree, modes, sun_up, sun_sine)
+            source = jnp.einsum("mls,lw->mlsw", lit, scaled)
+            phase = jnp.einsum("mlr,mlsw->mrsw", seen, source)
+            for k in range(nodes):
+                light = light + _times_cosine(phase * strength[k, number], k, order)
+        halves = np.where(np.arange(order + 1) > 0, 0.5, 1.0)
+        by_mode = light * jnp.asarray(halves, mu.dtype)[:, None, None, None]
+        return project(mu, weight, by_mode, directions.degree)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
     return Field(moments, irradiance[0])
 
 
-def _azimuth_rule(quality: Quality, flat: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Cosines of azimuth at which to integrate, and their weights for all azimuths.
-
-    Along a ray over a flat planet sunlight does not depend on azimuth; over a sphere only through
-    the turning vertical, so that a polynomial in cos φ through a few nodes follows it.
-    """
-    azimuths = quality.first.azimuths
-    azimuth = np.pi * (np.arange(azimuths) + 0.5) / azimuths
-    if flat:
-        return np.ones(1), np.ones((azimuths, 1))
-    count = quality.sun_azimuths
-    nodes = np.cos(np.pi * np.arange(count) / (count - 1))
-    powers = np.polynomial.chebyshev.chebvander(nodes, count - 1)
-    wanted = np.polynomial.chebyshev.chebvander(np.cos(azimuth), count - 1)
-    return nodes, wanted @ np.linalg.inv(powers)
+def _times_cosine(
+    series: Float[Array, "mode *batch"], k: int, order: int
+) -> Float[Array, "{order}+1 *batch"]:
+    """A cosine series times cos(kφ), up to an order: cos m cos k is half cos(m + k) + cos(m - k)."""
+    pad = [(0, 0)] * (series.ndim - 1)
+    up = jnp.pad(series, [(k, order), *pad])[: order + 1]
+    if k == 0:
+        return up
+    down = jnp.pad(series, [(0, order + k), *pad])[k : k + order + 1]
+    both = up + down
+    # Modes below k come back: cos(m - k) is cos(k - m).
+    for m in range(max(k - order, 0), min(k, series.shape[0])):
+        both = both.at[k - m].add(series[m])
+    return 0.5 * both

@@ -1,14 +1,26 @@
-"""An atmosphere laid out on a planet, with its densities made cheap to integrate."""
+"""An atmosphere laid out on a planet: shells, columns, and where things happen in it.
+
+Everything here follows the medium itself. A density of 1 has no special meaning: a density a
+thousand times larger with a coefficient a thousand times smaller is the same medium.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet
+from .optics import Optics
 from .quadrature import gauss
+
+
+_SHELLS = 40
+_SHELL_GROWTH = 6.0  # shells at (e^{6x} - 1)/(e⁶ - 1) of the top: 24 m to 8.6 km deep under 60 km
+_LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
+# Shares of that coordinate: altitude alone, optical depth, and what dims light from above and below.
+_BY_ALTITUDE, _BY_DEPTH, _BY_DIMMING = 0.5, 0.25, 0.25
 
 
 class Medium(eqx.Module):
@@ -17,14 +29,25 @@ class Medium(eqx.Module):
     Attributes:
         atmosphere: What scatters and absorbs.
         planet: Its shape.
+        optics: Coefficients and phase functions as the solver sees them.
         edges: Altitudes of the shells' edges, from the ground to the top [m].
         cubics: Coefficients of the densities in each shell, by powers of the share of its depth.
+        above: Vertical columns above each edge [m at relative density 1].
+        telling: Extinction at few wavelengths, from the clearest to the densest [m⁻¹].
+        coordinate: At each edge, from 0 to 1; it rises with altitude and with optical depth, so
+            that equal steps of it are about equally important.
+        coordinate_scale: What it was divided by to end at 1.
     """
 
     atmosphere: Atmosphere
     planet: AbstractPlanet
+    optics: Optics
     edges: Float[Array, " edge"]
     cubics: Float[Array, "species 4 shell"]
+    above: Float[Array, "edge species"]
+    telling: Float[Array, "few species"]
+    coordinate: Float[Array, " edge"]
+    coordinate_scale: Scalar
 
     def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
         """Relative densities at one point in every shell, given as a share of its depth."""
@@ -32,33 +55,99 @@ class Medium(eqx.Module):
         share = share[None, :]
         return c0 + share * (c1 + share * (c2 + share * c3))
 
-    def sight(self) -> tuple[Scalar, Scalar]:
-        """How far and how closely rays must be looked at, by what dims them.
+    def above_altitude(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b species"]:
+        """Vertical columns above altitudes [m at relative density 1]."""
+        shell = self.shell(altitude)
+        low, high = self.edges[shell], self.edges[shell + 1]
+        depth = jnp.where(high > low, high - low, 1.0)
+        x = jnp.clip((altitude - low) / depth, 0.0, 1.0)[..., None]
+        c0, c1, c2, c3 = jnp.moveaxis(self.cubics, (0, 1), (-1, 0))[:, shell]
+        below = x * (c0 + x * (c1 / 2 + x * (c2 / 3 + x * c3 / 4)))
+        return jnp.maximum(self.above[shell] - below * depth[..., None], 0.0)
 
-        Returns:
-            Distance past which nothing is seen: 2000 optical depths at ground density [m]; only a
-            flat planet's grazing rays are that long. Where spectra differ more than a hundredfold
-            the densest wavelength counts.
-            Distance over which the densest wavelength fades at ground density [m].
+    def shell(self, altitude: Float[Array, "*b"]) -> Int[Array, "*b"]:
+        """Which shell altitudes lie in."""
+        edges = self.edges.reshape((1,) * altitude.ndim + (-1,))
+        passed = jnp.sum(altitude[..., None] >= edges, axis=-1)
+        return jnp.clip(passed - 1, 0, self.edges.size - 2)
+
+    def level_at(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
+        """The coordinate at altitudes [m]."""
+        depth = self.above_altitude(altitude) @ self.telling.T
+        share = altitude / self.planet.top
+        return _mixed(share, depth, self.above[0] @ self.telling.T) / self.coordinate_scale
+
+    def sight(self) -> Scalar:
+        """Distance past which nothing is seen: 2000 optical depths where it is densest [m].
+
+        Only a flat planet's grazing rays are that long. Where spectra differ more than a
+        hundredfold the densest wavelength counts.
         """
-        total = jnp.sum(self.atmosphere.extinction, axis=0)
+        density = jnp.max(jnp.maximum(self.cubics[:, 0], 0.0), axis=1)
+        total = density @ self.optics.extinction
         densest = jnp.maximum(jnp.max(total), 1e-12)
-        slowest = jnp.maximum(jnp.min(total), 0.01 * densest)
-        return 2000 / slowest, 1 / densest
+        return 2000 / jnp.maximum(jnp.min(total), 0.01 * densest)
 
 
-def make_medium(atmosphere: Atmosphere, planet: AbstractPlanet) -> Medium:
+def make_medium(
+    atmosphere: Atmosphere, planet: AbstractPlanet, optics: Optics | None = None
+) -> Medium:
     """Lay an atmosphere out on a planet.
 
     Shells end where a density has a kink, and are thin enough besides: a cubic through four Gauss
     nodes follows exponentials of 1 km or more to 1e-6 of their value at the ground.
     """
-    x = np.linspace(0, 1, 41)
-    base = planet.top * jnp.asarray(np.expm1(6 * x) / np.expm1(6), planet.top.dtype)
+    optics = Optics.plain(atmosphere) if optics is None else optics
+    x = np.linspace(0, 1, _SHELLS + 1)
+    base = planet.top * jnp.asarray(_grown(x, _SHELL_GROWTH), planet.top.dtype)
     edges = jnp.sort(jnp.concatenate([base, atmosphere.knots()]))
-    nodes = gauss(4)[0]
+    nodes, weights = gauss(4)
     depth = jnp.diff(edges)[:, None]
     density = atmosphere.density(edges[:-1, None] + depth * jnp.asarray(nodes, edges.dtype)[None])
     to_powers = jnp.asarray(np.linalg.inv(np.vander(nodes, 4, increasing=True)), edges.dtype)
     cubics = jnp.einsum("pn,kns->spk", to_powers, density)
-    return Medium(atmosphere, planet, edges, cubics)
+    column = jnp.einsum("n,kns->ks", jnp.asarray(weights, edges.dtype), density) * depth
+    none = jnp.zeros_like(column[:1])
+    above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
+    telling = _telling(optics.extinction, above[0])
+    mixed = _mixed(edges / planet.top, above @ telling.T, above[0] @ telling.T)
+    return Medium(
+        atmosphere, planet, optics, edges, cubics, above, telling, mixed / mixed[-1], mixed[-1]
+    )
+
+
+def _grown(x, growth):
+    return np.expm1(growth * x) / np.expm1(growth)
+
+
+def _telling(
+    extinction: Float[Array, "species wavelength"], column: Float[Array, " species"]
+) -> Float[Array, "3 species"]:
+    """Extinction at the clearest, a middling and the densest wavelength."""
+    depth = jnp.log(column @ extinction + 1e-12)
+    low, high = jnp.argmin(depth), jnp.argmax(depth)
+    middle = jnp.argmin(jnp.abs(depth - 0.5 * (depth[low] + depth[high])))
+    return extinction[:, jnp.stack([low, middle, high])].T
+
+
+def _mixed(
+    share: Float[Array, "*b"], depth: Float[Array, "*b few"], total: Float[Array, " few"]
+) -> Float[Array, "*b"]:
+    """What the coordinate of levels follows; see `Medium`.
+
+    Args:
+        share: Altitude as a share of the top.
+        depth: Optical depth above, at few wavelengths.
+        total: Above the ground.
+    """
+    growth = float(np.expm1(_LEVEL_GROWTH))
+    altitude = jnp.log1p(share * growth) / _LEVEL_GROWTH
+    below = total - depth
+    by_depth = below / jnp.maximum(total, 1.0)
+    # Light from above and from below fades by these.
+    dimmed = jnp.exp(-depth) - jnp.exp(-total) + 1 - jnp.exp(-below)
+    return (
+        _BY_ALTITUDE * altitude
+        + _BY_DEPTH * jnp.mean(by_depth, axis=-1)
+        + _BY_DIMMING * 0.5 * jnp.mean(dimmed, axis=-1)
+    )

@@ -12,12 +12,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
-from ..atmosphere import Atmosphere
 from .fan import make_fan
 from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
+from .optics import Optics
 from .paths import Kind, Leg, both_legs, rising_leg, sample
 from .quadrature import lagrange_weights
 from .quality import Quality
@@ -35,18 +35,17 @@ class Source(eqx.Module):
     ground: Float[Array, "sun wavelength"]
 
 
-def scatter(atmosphere: Atmosphere, field: Field) -> Source:
+def scatter(optics: Optics, field: Field) -> Source:
     """Let a field be scattered once more, and reflected by the ground."""
-    degree = field.moments.shape[2] - 1
+    highest = field.moments.shape[2] - 1
     sources = []
-    for one in atmosphere.constituents:
-        highest = one.phase.max_degree
-        top = degree if highest is None else min(degree, highest)
+    for harmonics in optics.harmonics:
+        top = min(highest, harmonics.shape[0] - 1)
         norm = (2 * np.arange(top + 1)[:, None] + 1) / (4 * np.pi)
-        chi = one.phase.legendre(top) * jnp.asarray(norm, field.moments.dtype)
-        strength = (chi * one.scattering[None, :])[None, None, :, None, :]
+        strength = harmonics[: top + 1] * jnp.asarray(norm, field.moments.dtype)
+        strength = strength[None, None, :, None, :]
         sources.append(strength * field.moments[:, : top + 1, : top + 1])
-    ground = atmosphere.ground_albedo[None, :] / np.pi * field.irradiance
+    ground = optics.ground_albedo[None, :] / np.pi * field.irradiance
     return Source(tuple(sources), ground)
 
 
@@ -61,7 +60,7 @@ def send(
     to_ground: Float[Array, " species"],
     strikes: Bool[Array, ""],
     sun: SunDirection,
-    nodes: int,
+    panels: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one leg of a ray, under one or many suns.
 
@@ -76,16 +75,16 @@ def send(
         to_ground: Column between the eye and the ground [m].
         strikes: Whether the leg ends at the ground, which then shines through.
         sun: As seen from the eye, in the frame of the ray; any shape.
-        nodes: On the leg.
+        panels: Of nodes on the leg.
 
     Returns:
         Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
     """
-    extinction = medium.atmosphere.extinction
+    extinction = medium.optics.extinction
     order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
-    path = sample(medium, leg, start, leg.length, nodes)
+    path = sample(medium, leg, start, leg.length, panels)
     arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
-    near = lagrange_weights(grid.altitude, path.altitude)
+    near = lagrange_weights(grid.level, medium.level_at(path.altitude))
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
     sine = medium.planet.sine_at_level(ray, grid.altitude)
     harmonics = legendre(degree, order, crossing, sine)
@@ -116,16 +115,16 @@ def gather(
     sun: SunDirection,
     *,
     kind: Kind,
-    nodes: int,
+    panels: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one line of sight; arguments as for `send`."""
-    farthest, _ = medium.sight()
-    none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
+    farthest = medium.sight()
+    none = jnp.zeros_like(medium.optics.extinction[:, 0])
 
     def sent_along(leg, start, offset, to_ground, strikes):
         return send(
             medium, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
-            nodes,
+            panels,
         )  # fmt: skip
 
     missed = jnp.asarray(False)
@@ -145,8 +144,9 @@ def gather(
 
 def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Field:
     """The field of the next order, at every level and sun."""
-    source = scatter(medium.atmosphere, field)
+    source = scatter(medium.optics, field)
     suns = grid.sun_from()
+    modes = cosines(quality.higher.modes, grid.cos_azimuth) / grid.cos_azimuth.size
 
     def at_level(level):
         altitude, mu, weight = level
@@ -159,12 +159,13 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
         def along(ray, leg, start, offset, column, strikes):
             return send(
                 medium, grid, source, ray, leg, start, offset, column, strikes, suns,
-                quality.field_nodes,
+                quality.field_panels,
             )  # fmt: skip
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
-        return project(grid, mu, weight, light, quality.higher)
+        by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
+        return project(mu, weight, by_mode, quality.higher.degree)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

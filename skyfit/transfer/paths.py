@@ -8,22 +8,28 @@ beyond; distances on a leg are counted outwards from that point, where the air i
 nodes lie closest.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Literal
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from .geometry import AbstractPlanet, Ray
 from .medium import Medium
-from .quadrature import gauss, legendre_moments, polynomial_fit
+from .quadrature import gauss
 
 
 Kind = Literal["rising", "any"]
 """Lines of sight that all rise, or that go anywhere: known before compiling."""
+
+
+NODES = 4  # Gauss nodes on each panel of a stretch
+_THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
 class Leg(eqx.Module):
@@ -132,67 +138,146 @@ def legs(
     )
 
 
-def sample(medium: Medium, leg: Leg, start: Scalar, end: Scalar, nodes: int) -> Path:
+def crossings(
+    medium: Medium, leg: Leg, start: Scalar, end: Scalar
+) -> tuple[Float[Array, " edge"], Float[Array, "edge species"]]:
+    """Where a leg crosses the edges of the shells, and the columns from its start to there [m]."""
+    at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
+    inside = _columns_in_shells(medium, leg, at)
+    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), jnp.cumsum(inside, axis=0)])
+
+
+def sample(
+    medium: Medium,
+    leg: Leg,
+    start: Scalar,
+    end: Scalar,
+    panels: int,
+    dimming: Callable[[Float[Array, " edge"], Float[Array, " edge"]], Array] | None = None,
+) -> Path:
     """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
 
-    Nodes thin out exponentially away from the lowest point, and on a falling leg from the eye too:
-    from the distance over which light fades to the whole stretch. Between them, and cut where the
-    density has a kink, three Gauss nodes a piece look at the density alone: it is rough but cheap,
-    what it multiplies is smooth but has a spectrum. The weights integrate the polynomial through
-    the nodes times the density.
+    The stretch is cut into panels of equal importance, with `NODES` Gauss nodes each. Important
+    is where light comes from: where transmittance to the eye and from the sun changes, at the
+    clearest, a middling and the densest wavelength, and where the medium's own coordinate does; and
+    some of it is spread evenly over a coordinate that thins out away from the lowest point.
+    Between nodes, and cut where a density has a kink, three Gauss nodes a piece look at the density
+    alone: it is rough but cheap, what it multiplies is smooth but has a spectrum. The weights
+    integrate the polynomial through a panel's nodes times the density.
+
+    Args:
+        medium: What the ray crosses.
+        leg: Of the ray.
+        start: Nearer to the lowest point [m].
+        end: Farther from it [m].
+        panels: How many.
+        dimming: Optical depth [edge, few] towards what shines, at the medium's telling
+            wavelengths, given the altitudes [m] of points and their distances from the eye [m].
     """
     span = end - start
     safe_span = jnp.where(span > 0, span, 1.0)
-    steepness = jnp.log1p(jnp.maximum(50.0, span / medium.sight()[1]))
-    far, half = jnp.expm1(steepness), jnp.tanh(0.5 * steepness)
+    steepness = float(np.log1p(_THINNING))
+    half = float(np.tanh(0.5 * steepness))
     rises = leg.sign > 0
 
     def place(x):
         """Distance outwards and its slope at x in [0, 1]."""
         bend = jnp.tanh(steepness * (x - 0.5))
-        share = jnp.where(rises, jnp.expm1(steepness * x) / far, 0.5 * (1 + bend / half))
-        slope = jnp.where(rises, jnp.exp(steepness * x) / far, 0.5 * (1 - bend**2) / half)
+        share = jnp.where(
+            rises, jnp.expm1(steepness * x) / _THINNING, 0.5 * (1 + bend / half)
+        )
+        slope = jnp.where(rises, jnp.exp(steepness * x) / _THINNING, 0.5 * (1 - bend**2) / half)
         return start + span * share, span * steepness * slope
 
     def undo(outwards):
         share = jnp.clip((outwards - start) / safe_span, 0.0, 1.0)
-        rising = jnp.log1p(share * far) / steepness
+        rising = jnp.log1p(share * _THINNING) / steepness
         falling = 0.5 + jnp.arctanh((2 * share - 1) * half) / steepness
         return jnp.where(rises, rising, falling)
 
-    x = jnp.asarray(gauss(nodes)[0], span.dtype)
+    at, column = crossings(medium, leg, start, end)
+    even = undo(at)
+    importance = _importance(medium, leg, at, column, even, dimming)
+    share = jnp.arange(1, panels, dtype=even.dtype) / panels
+    ends = jnp.asarray([0.0, 1.0], even.dtype)
+    cuts = jnp.concatenate([ends[:1], jnp.interp(share, importance, even), ends[1:]])
+    x = (cuts[:-1, None] + jnp.diff(cuts)[:, None] * jnp.asarray(gauss(NODES)[0], even.dtype)).ravel()
     kinks = undo(medium.planet.to_level(leg.altitude, leg.mu, medium.atmosphere.knots()))
-    ends = jnp.asarray([0.0, 1.0], x.dtype)
-    edges = jnp.sort(jnp.concatenate([ends, x, kinks]))
+    edges = jnp.sort(jnp.concatenate([cuts, x, kinks]))
     fine, piece = _in_panels(edges, 3)
-    at, slope = place(fine.ravel())
-    altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
-    density = medium.atmosphere.density(altitude) * (slope * piece.ravel())[:, None]
-    moments = legendre_moments(nodes, fine.ravel(), density)
-    weight = jnp.asarray(polynomial_fit(nodes), density.dtype) @ moments
-    panels = jnp.sum(density.reshape(*fine.shape, -1), axis=1)
-    running = jnp.cumsum(panels, axis=0)
-    # Below node j lie the end at 0, the nodes before it and the kinks before it.
-    before = jnp.arange(nodes) + jnp.sum(kinks[None, :] < x[:, None], axis=1)
+    fine, piece = fine.ravel(), piece.ravel()
+    outwards, slope = place(fine)
+    altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
+    density = medium.atmosphere.density(altitude) * (slope * piece)[:, None]
+    running = jnp.cumsum(jnp.sum(density.reshape(edges.size - 1, 3, -1), axis=1), axis=0)
+    running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
+    before = jnp.sum(edges[None, :] < x[:, None], axis=1)
     outwards, _ = place(x)
     low = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
+    weight = _panel_weights(cuts, fine) @ density
     return Path(leg.from_eye(outwards), low, weight, running[before], running[-1])
+
+
+def _importance(medium, leg, at, column, even, dimming) -> Float[Array, " edge"]:
+    """Share of what matters between the start of a stretch and each crossing, from 0 to 1."""
+    altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
+    level = jnp.interp(altitude, medium.edges, medium.coordinate)
+    depth = column @ medium.telling.T
+    depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
+    changes = [jnp.diff(even)[:, None], jnp.diff(level)[:, None], jnp.diff(jnp.exp(-depth), axis=0)]
+    if dimming is not None:
+        total = depth + dimming(altitude, leg.from_eye(at))
+        total = total - jax.lax.stop_gradient(jnp.min(total, axis=0))
+        changes.append(jnp.diff(jnp.exp(-total), axis=0))
+    sizes = [jnp.mean(jnp.abs(change), axis=1) for change in changes]
+    running = jnp.cumsum(sum(sizes))
+    running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
+    whole = jnp.where(running[-1] > 0, running[-1], 1.0)
+    return running / whole
+
+
+def _panel_weights(
+    cuts: Float[Array, " cut"], fine: Float[Array, " point"]
+) -> Float[Array, "node point"]:
+    """What each point of a panel counts for each of the panel's nodes: Lagrange's polynomials."""
+    width = jnp.diff(cuts)
+    own = jnp.clip(jnp.sum(fine[:, None] >= cuts[None, :], axis=1) - 1, 0, width.size - 1)
+    local = (fine - cuts[own]) / jnp.where(width[own] > 0, width[own], 1.0)
+    nodes = gauss(NODES)[0]
+    basis = []
+    for k in range(NODES):
+        others = np.delete(nodes, k)
+        value = jnp.ones_like(local)
+        for other in others:
+            value = value * (local - float(other)) / float(nodes[k] - other)
+        basis.append(value)
+    here = own[None, :] == jnp.arange(width.size)[:, None]
+    dense = jnp.where(here[:, None, :], jnp.stack(basis)[None], 0.0)
+    return dense.reshape(width.size * NODES, fine.size)
 
 
 def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[Array, " species"]:
     """Column between two distances from a leg's lowest point [m]."""
+    at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
+    return jnp.sum(_columns_in_shells(medium, leg, at), axis=0)
+
+
+def _columns_in_shells(
+    medium: Medium, leg: Leg, at: Float[Array, " edge"]
+) -> Float[Array, "shell species"]:
+    """Columns along a leg between where it crosses neighbouring edges [m]."""
     planet, edges = medium.planet, medium.edges
-    crossings = jnp.clip(planet.to_level(leg.altitude, leg.mu, edges), start, end)
     depth = jnp.diff(edges)
-    low, width = crossings[:-1], jnp.diff(crossings)
-    total = jnp.zeros(medium.cubics.shape[:1], edges.dtype)
+    low, width = at[:-1], jnp.diff(at)
+    total = jnp.zeros(medium.cubics.shape[::2], edges.dtype)
     # Node by node and shells last: long vectors, where [shell, node, species] would be short ones.
     for x, w in zip(*gauss(3), strict=True):
         altitude = planet.advance(leg.altitude, leg.mu, low + float(x) * width)[0]
         share = (altitude - edges[:-1]) / jnp.where(depth > 0, depth, 1.0)
-        density = medium.density_in_shells(share)
-        total = total + jnp.sum(float(w) * width[None, :] * density, axis=1)
-    return total
+        # Rounding may lead a little out of a shell.
+        density = medium.density_in_shells(jnp.clip(share, 0.0, 1.0))
+        total = total + float(w) * width[None, :] * density
+    return jnp.maximum(total, 0.0).T
 
 
 def both_legs(

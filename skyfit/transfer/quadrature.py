@@ -21,32 +21,14 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (x + 1), 0.5 * w
 
 
-@cache
-def polynomial_fit(count: int) -> np.ndarray:
-    """From moments of a function with P_n to weights on its values at Gauss nodes; [node, degree].
-
-    P_n are Legendre polynomials shifted to [0, 1]. If s is known at the nodes, its interpolating
-    polynomial has ∫ s r = Σ_j s_j Σ_n fit_jn ∫ P_n r for any r.
-    """
-    x, w = gauss(count)
-    values = np.polynomial.legendre.legvander(2 * x - 1, count - 1)
-    return w[:, None] * values * (2 * np.arange(count) + 1)
-
-
-def legendre_moments(
-    count: int, x: Float[Array, " point"], weighted: Float[Array, "point species"]
-) -> Float[Array, "degree species"]:
-    """Σ P_n(x) weighted, for shifted Legendre polynomials of degree below `count`."""
-    y = (2 * x - 1)[:, None]
-
-    def step(carry, n):
-        before, here = carry
-        after = ((2 * n + 1) * y * here - n * before) / (n + 1)
-        return (here, after), jnp.sum(here, axis=0)
-
-    # The recurrence is linear, so it may carry the weighted values themselves.
-    start = (jnp.zeros_like(weighted), weighted)
-    return jax.lax.scan(step, start, jnp.arange(count, dtype=x.dtype))[1]
+def cubic_stencil(
+    position: Float[Array, "*batch"], count: int
+) -> tuple[Array, tuple[Float[Array, "*batch"], ...]]:
+    """First of the four nearest nodes 0, 1, … count - 1, and their Lagrange weights."""
+    first = jnp.clip(jnp.floor(position).astype(int) - 1, 0, count - 4)
+    t = position - first.astype(position.dtype)
+    a, b, c, d = t, t - 1, t - 2, t - 3
+    return first, (-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6)
 
 
 def lagrange_weights(

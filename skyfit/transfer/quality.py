@@ -27,30 +27,28 @@ class Quality(NamedTuple):
     """How finely the simulator looks. All static: each set of sizes is one compiled program.
 
     Attributes:
-        view_nodes: Light along a line of sight, each lit stretch.
-        column_altitudes: Table of columns towards the sun.
-        column_angles: The same, in the sun's zenith angle.
+        view_panels: Of four nodes each along a line of sight, each lit stretch.
+        column_angles: Table of columns towards the sun, in its zenith angle.
         levels: Altitudes at which the light field is kept for the higher orders.
-        field_nodes: Light along a ray that ends at a level.
+        field_panels: Of four nodes each along a ray that ends at a level.
         first: Directions of the first order's field, as sharp as the phase functions.
         higher: Directions of the later orders' fields: each scattering smooths them. Neither its
             degree nor its modes may exceed those of `first`.
         sun_azimuths: Azimuths at which the first order is integrated along a ray.
         sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree]; more
             are kept under a low sun.
-        orders: How many orders `orders=None` computes before the geometric tail.
+        tolerance: Of the sum of all orders, relative.
     """
 
-    view_nodes: int
-    column_altitudes: int
+    view_panels: int
     column_angles: int
     levels: int
-    field_nodes: int
+    field_panels: int
     first: Directions
     higher: Directions
     sun_azimuths: int
     sun_offsets_deg: tuple[float, ...]
-    orders: int
+    tolerance: float
 
 
 # Where the field changes fast along a line of sight at least so many suns are kept, whatever the
@@ -66,39 +64,36 @@ ALL_SUNS_DEG = (
 
 QUALITIES = {
     "draft": Quality(
-        view_nodes=32,
-        column_altitudes=64,
+        view_panels=8,
         column_angles=48,
         levels=10,
-        field_nodes=12,
+        field_panels=3,
         first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14, modes=12),
         higher=Directions(up=8, limb=2, down=4, azimuths=8, degree=8, modes=6),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
-        orders=5,
+        tolerance=1e-5,
     ),
     "default": Quality(
-        view_nodes=48,
-        column_altitudes=128,
+        view_panels=12,
         column_angles=64,
         levels=16,
-        field_nodes=16,
+        field_panels=4,
         first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26, modes=16),
         higher=Directions(up=10, limb=3, down=6, azimuths=12, degree=18, modes=10),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
-        orders=8,
+        tolerance=1e-6,
     ),
     "high": Quality(
-        view_nodes=64,
-        column_altitudes=256,
+        view_panels=20,
         column_angles=128,
         levels=28,
-        field_nodes=24,
+        field_panels=7,
         first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44, modes=32),
         higher=Directions(up=18, limb=4, down=10, azimuths=18, degree=30, modes=16),
         sun_azimuths=4,
         sun_offsets_deg=(-8.0, -3.0, -1.0, 0.0, 1.0, 3.0, 8.0),
-        orders=12,
+        tolerance=1e-7,
     ),
 }

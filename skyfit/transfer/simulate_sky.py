@@ -16,6 +16,7 @@ from .compiling import compile_quickly
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
+from .optics import Optics
 from .orders import gather, next_field, scatter
 from .paths import Kind
 from .quality import (
@@ -26,6 +27,7 @@ from .quality import (
     Quality,
 )
 from .single import first_order
+from .solve import sum_of_orders
 from .views import Views, group
 
 
@@ -109,14 +111,13 @@ def simulate(
     suns: Suns = "all"
     if _known(altitude, lambda h: h <= HIGH_UP):
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
-    by_order = _simulate(
-        _widened(atmosphere), views, count=sizes.orders if orders is None else orders,
+    by_order, total = _simulate(
+        _widened(atmosphere), views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
     )  # fmt: skip
-    by_order = shape.restore(by_order)
-    tail = _tail(by_order) if orders is None else jnp.zeros_like(by_order[0])
-    return Sky(by_order, tail)
+    by_order, total = shape.restore(by_order), shape.restore(total)[0]
+    return Sky(by_order, total - jnp.sum(by_order, axis=0) if orders is None else 0 * total)
 
 
 def _widened(atmosphere: Atmosphere) -> Atmosphere:
@@ -136,53 +137,74 @@ def _simulate(
     atmosphere: Atmosphere,
     views: Views,
     *,
-    count: int,
+    count: int | None,
     flat: bool,
     quality: Quality,
     kind: Kind,
     suns: Suns,
     split: bool,
-) -> Float[Array, "order sun ray out wavelength"]:
-    """Every order, for every sun in turn."""
+) -> tuple[
+    Float[Array, "order sun ray out wavelength"], Float[Array, "1 sun ray out wavelength"]
+]:
+    """Orders one by one, and all that were asked for together; for every sun in turn."""
     radius, top = atmosphere.planet_radius, atmosphere.top_altitude
     planet = Flat(top) if flat else Spherical(radius, top)
-    medium = make_medium(atmosphere, planet)
-    columns = sun_columns(medium, quality.column_altitudes, quality.column_angles)
+    exact = Optics.cut(atmosphere, quality.first.degree)
+    # All orders are summed where what goes straight on counts as not scattered.
+    optics = exact.beside(exact.scaled()) if count is None else exact
+    medium = make_medium(atmosphere, planet, optics)
+    columns = sun_columns(medium, quality.column_angles)
+    width = atmosphere.wavelengths.size
 
     def under_one_sun(view: Views):
         eyes = _eyes(planet, view, kind)
-        first = _first(medium, columns, view, eyes, quality, kind, split)
+        first, again = _first(medium, columns, view, eyes, quality, kind, split)
         if count == 1:
-            return first[None]
+            return first[None], first[None]
         nodes = _suns(view.sun, suns, flat, quality)
         grid = make_grid(medium, nodes, quality.levels, quality.first)
         higher = make_grid(medium, nodes, quality.levels, quality.higher)
-        field = first_field(medium, columns, grid, quality)
+        field = first_field(columns, grid, quality)
 
         def look(field):
-            source = scatter(atmosphere, field)
+            source = scatter(optics, field)
 
             def along(ray, sun, meets):
                 light = gather(
-                    medium, grid, source, ray, sun,
-                    kind=kind, nodes=quality.field_nodes,
-                )  # fmt: skip
+                    medium, grid, source, ray, sun, kind=kind, panels=quality.field_panels
+                )
                 return jnp.where(meets, light, 0.0)
 
             return jax.vmap(along)(*eyes)
+
+        if count is None:
+            scaled = eqx.tree_at(lambda m: m.optics, medium, exact.scaled())
+            once = jax.tree.map(lambda a: a[..., width:], field)
+
+            def further(field):
+                return next_field(scaled, higher, field, quality)
+
+            more = sum_of_orders(further, once.up_to(quality.higher), quality.tolerance)
+            light = look(field.plus(more, width))
+            second = light[..., :width] + again[..., :width]
+            total = first[..., width:] + light[..., width:]
+            return jnp.stack([first[..., :width], second]), total[None]
 
         def step(field, _):
             field = next_field(medium, higher, field, quality)
             return field, look(field)
 
-        second = look(field)
-        if count == 2:
-            return jnp.stack([first, second])
-        _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
-        return jnp.concatenate([first[None], second[None], later])
+        second = look(field) + again
+        orders = jnp.stack([first, second])
+        if count > 2:
+            _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
+            orders = jnp.concatenate([orders, later])
+        return orders, jnp.sum(orders, axis=0, keepdims=True)
 
-    light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength]
-    return jnp.swapaxes(light, 0, 1) * atmosphere.solar_irradiance[None, None, None, None, :]
+    light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength] both
+    sunshine = atmosphere.solar_irradiance[None, None, None, None, :]
+    by_order, total = (jnp.swapaxes(each, 0, 1) * sunshine for each in light)
+    return by_order, total
 
 
 def _suns(sun: Scalar, suns: Suns, flat: bool, quality: Quality) -> Float[Array, " sun"]:
@@ -223,35 +245,25 @@ def _first(
     quality: Quality,
     kind: Kind,
     split: bool,
-) -> Float[Array, "ray out wavelength"]:
-    """The first order along every line of sight."""
+) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"]]:
+    """The first order along every line of sight; and of the second what went straight on once."""
     cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
-    phases = [one.phase.spectral(cos_gamma) for one in medium.atmosphere.constituents]
+    optics = medium.optics
 
     def along(ray, suns, meets):
-        def under(sun):
-            return first_order(
-                medium, columns, ray, sun,
-                kind=kind, nodes=quality.view_nodes, split=split,
-            )  # fmt: skip
-
-        strength, ground = jax.vmap(under)(suns)
-        return jnp.where(meets, strength, 0.0), jnp.where(meets, ground, 0.0)
+        found = first_order(
+            medium, columns, ray, suns, kind=kind, panels=quality.view_panels, split=split
+        )
+        return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found)
 
     strength, light = jax.vmap(along)(*eyes)
-    for number, phase in enumerate(phases):
-        light = light + phase * strength[:, :, number]
-    return light
-
-
-def _tail(by_order: Float[Array, "order *batch wavelength"]) -> Float[Array, "*batch wavelength"]:
-    """Orders past the last, in the ratio of the last two."""
-    last, before = by_order[-1], by_order[-2]
-    lit = before > 0
-    ratio = jnp.where(lit, last / jnp.where(lit, before, 1.0), 0.0)
-    # Successive orders of a passive atmosphere fade; a ratio near 1 could only be rounding.
-    ratio = jnp.clip(ratio, 0.0, 0.98)
-    return last * ratio / (1 - ratio)
+    for number, one in enumerate(medium.atmosphere.constituents):
+        phase = one.phase.spectral(cos_gamma)
+        if phase.shape[-1] > 1:
+            phase = jnp.concatenate([phase] * (optics.scattering.shape[1] // phase.shape[-1]), -1)
+        scattered = (phase * optics.scattering[number])[:, :, None]
+        light = light + scattered * strength[:, :, :, number]
+    return light[:, :, 0], light[:, :, 1]
 
 
 def _choose(near, a, b):

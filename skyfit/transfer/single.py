@@ -14,103 +14,126 @@ from .._typing import Scalar
 from .columns import SunColumns
 from .geometry import Ray, SunDirection
 from .medium import Medium
-from .paths import Kind, Leg, both_legs, column_along, rising_leg, sample
+from .paths import Kind, Leg, Path, both_legs, column_along, rising_leg, sample
+
+
+_DARK = 700.0  # optical depth that stands for the planet's shadow
 
 
 def sunlight_at(
-    extinction: Float[Array, "species wavelength"],
     columns: SunColumns,
     altitude: Float[Array, "*b"],
     mu: Float[Array, "*b"],
     eye_column: Float[Array, "*b species"],
-) -> Float[Array, "*b wavelength"]:
-    """Transmittance from the sun to a point, times that from the point to the eye."""
+) -> tuple[Float[Array, "*b channel"], Float[Array, "*b species"]]:
+    """Transmittance from the sun to a point times that from there to the eye; and the column."""
     sun_column, lit = columns(altitude, mu)
-    light = jnp.exp(-(sun_column + eye_column) @ extinction)
-    return jnp.where(lit[..., None], light, 0.0)
+    column = sun_column + eye_column
+    light = jnp.exp(-column @ columns.medium.optics.extinction)
+    return jnp.where(lit[..., None], light, 0.0), column
 
 
-def along_leg(
-    medium: Medium,
+def dimming(columns: SunColumns, ray: Ray, sun: SunDirection):
+    """How deep in the shade of the air points of a ray lie; see `sample`."""
+
+    def depth(altitude, distance):
+        here = columns.medium.planet.turn_sun(sun, ray, distance)
+        column, lit = columns(altitude, here.up)
+        return jnp.where(lit[:, None], column @ columns.medium.telling.T, _DARK)
+
+    return depth
+
+
+def along_path(
     columns: SunColumns,
     ray: Ray,
     leg: Leg,
-    stretch: tuple[Scalar, Scalar],
+    path: Path,
     offset: Float[Array, " species"],
     sun: SunDirection,
-    nodes: int,
-) -> Float[Array, "species wavelength"]:
-    """First-order light from a stretch of one leg of a ray, under one sun.
+    orders: int = 2,
+) -> Float[Array, "{orders} species channel"]:
+    """Sunlight that nodes on one leg of a ray would send to the eye, under one sun.
 
     Args:
-        medium: What the light crosses.
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         leg: One of its legs.
-        stretch: Distances of its ends from the leg's lowest point [m].
+        path: Nodes on a stretch of it.
         offset: Column between the eye and the stretch's nearer end [m].
         sun: As seen from the eye, in the frame of the ray.
-        nodes: On the stretch.
+        orders: 1 or 2.
 
     Returns:
-        What the phase functions multiply, scattering coefficient included; per unit irradiance.
+        What phase functions times scattering coefficients multiply, per unit irradiance [m]: in
+        the first order; and in the second, what went straight on once before or after.
     """
-    path = sample(medium, leg, *stretch, nodes)
-    here = medium.planet.turn_sun(sun, ray, path.distance)
+    optics = columns.medium.optics
+    here = columns.medium.planet.turn_sun(sun, ray, path.distance)
     to_eye = path.to_eye(leg, offset)
-    light = sunlight_at(medium.atmosphere.extinction, columns, path.altitude, here.up, to_eye)
-    return (path.weight.T @ light) * medium.atmosphere.scattering
+    light, column = sunlight_at(columns, path.altitude, here.up, to_eye)
+    if orders == 1:
+        return (path.weight.T @ light)[None]
+    again = light * (column @ optics.straight)
+    return jnp.stack([path.weight.T @ light, path.weight.T @ again])
 
 
 def from_ground(
-    medium: Medium,
     columns: SunColumns,
     ray: Ray,
     distance: Scalar,
     to_ground: Float[Array, " species"],
     sun: SunDirection,
-) -> Float[Array, " wavelength"]:
-    """Radiance of the sunlit ground as it arrives, per unit of solar irradiance [sr⁻¹]."""
-    below = medium.planet.turn_sun(sun, ray, distance)
+) -> Float[Array, "order channel"]:
+    """Radiance of the sunlit ground as it arrives, per unit of solar irradiance [sr⁻¹].
+
+    As a first order; and as a second, what went straight on once before or after.
+    """
+    optics = columns.medium.optics
+    below = columns.medium.planet.turn_sun(sun, ray, distance)
     altitude = jnp.zeros_like(ray.mu)
-    light = sunlight_at(medium.atmosphere.extinction, columns, altitude, below.up, to_ground)
-    return medium.atmosphere.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
+    light, column = sunlight_at(columns, altitude, below.up, to_ground)
+    light = optics.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
+    return jnp.stack([light, light * (column @ optics.straight)])
 
 
 def first_order(
     medium: Medium,
     columns: SunColumns,
     ray: Ray,
-    sun: SunDirection,
+    suns: SunDirection,
     *,
     kind: Kind,
-    nodes: int,
+    panels: int,
     split: bool,
-) -> tuple[Float[Array, "species wavelength"], Float[Array, " wavelength"]]:
-    """First-order light along one line of sight under one sun, per unit of solar irradiance.
+) -> tuple[Float[Array, "sun order species channel"], Float[Array, "sun order channel"]]:
+    """First-order light along one line of sight under several suns, per unit of solar irradiance.
 
     Args:
         medium: What the light crosses.
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
-        sun: As seen from the eye, in the frame of the ray.
+        suns: As seen from the eye, in the frame of the ray.
         kind: "rising" saves the legs of falling rays.
-        nodes: On each stretch.
-        split: Cut the ray where it enters and leaves the planet's shadow. Without, nodes in the
-            shadow are dark, and its edge is found only to their distance.
+        panels: Of nodes on each stretch.
+        split: Cut the ray where it enters and leaves the planet's shadow of each sun. Without, all
+            suns share nodes, and those in the shadow are dark.
 
     Returns:
-        What the phase functions multiply, scattering coefficient included [species, wavelength];
-        radiance of the ground as it arrives [sr⁻¹].
+        What phase functions times scattering coefficients multiply [m]; radiance of the ground as
+        it arrives [sr⁻¹]. Of either the first order, and of the second what went straight on
+        once.
     """
-    farthest, _ = medium.sight()
+    farthest = medium.sight()
 
     def light_of(leg: Leg, start, offset):
-        def light_from(low, high, column):
-            return along_leg(medium, columns, ray, leg, (low, high), column, sun, nodes)
-
         if not split:
-            return light_from(start, leg.length, offset)
+            middle = jax.tree.map(jnp.mean, suns)
+            path = sample(medium, leg, start, leg.length, panels, dimming(columns, ray, middle))
+            return jax.vmap(partial(along_path, columns, ray, leg, path, offset))(suns)
+        return jax.vmap(partial(split_light, leg, start, offset))(suns)
+
+    def split_light(leg: Leg, start, offset, sun: SunDirection):
         a, b = (
             jnp.clip(leg.sign * (t - leg.low_distance), start, leg.length)
             for t in medium.planet.shadow(sun, ray)
@@ -122,17 +145,22 @@ def first_order(
         rises = leg.sign > 0
         near = offset + jnp.where(rises, 0.0, outer)
         far = offset + jnp.where(rises, inner, 0.0)
+
+        def light_from(low, high, column):
+            path = sample(medium, leg, low, high, panels, dimming(columns, ray, sun))
+            return along_path(columns, ray, leg, path, column, sun)
+
         # Both stretches go through one compiled program.
         starts, ends = jnp.stack([start, high]), jnp.stack([low, leg.length])
         return jnp.sum(jax.vmap(light_from)(starts, ends, jnp.stack([near, far])), axis=0)
 
-    none = jnp.zeros_like(medium.atmosphere.extinction[:, 0])
+    none = jnp.zeros_like(medium.optics.extinction[:, 0])
     if kind == "rising":
         leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
         scattered = light_of(leg, jnp.zeros_like(leg.length), none)
-        return scattered, jnp.zeros_like(scattered[0])
+        return scattered, jnp.zeros_like(scattered[:, :, 0])
     both, start, before, strikes = both_legs(medium, ray, farthest)
     offset = jnp.stack([none, before])
     scattered = jnp.sum(jax.vmap(light_of)(both, start, offset), axis=0)
-    ground = from_ground(medium, columns, ray, both.low_distance[0], before, sun)
-    return scattered, jnp.where(strikes, ground, 0.0)
+    under = jax.vmap(partial(from_ground, columns, ray, both.low_distance[0], before))
+    return scattered, jnp.where(strikes, under(suns), 0.0)
