@@ -63,8 +63,8 @@ class SunColumns(eqx.Module):
         mu = jnp.maximum(mu, 1e-9) if flat else mu
         distance = jnp.maximum(planet.to_level(altitude, mu, edge), 0.0)
         cubics = _at(jnp.moveaxis(medium.cubics, -1, 0), shell)  # [..., species, power]
-        inside = jnp.zeros_like(above)
-        for x, w in zip(*gauss(3), strict=True):
+        inside = 0.0
+        for x, w in zip(*gauss(2), strict=True):
             here = planet.advance(altitude, mu, float(x) * distance)[0]
             share = jnp.clip((here - low) / depth, 0.0, 1.0)[..., None]
             c0, c1, c2, c3 = (cubics[..., power] for power in range(4))

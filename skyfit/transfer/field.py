@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .columns import SunColumns
 from .fan import make_fan
@@ -23,12 +23,17 @@ from .quality import Directions, Quality
 from .single import along_path, dimming, from_ground
 
 
+_KINKS = 4  # of the density that lie on levels
+_WEAK, _STRONG = 0.02, 0.1  # change of optical depth by a kink, over the distance of levels
+
+
 class Grid(eqx.Module):
     """Where the field is kept, and the directions over which it is summed.
 
     Attributes:
         altitude: Of the levels [m].
         level: Their coordinate, almost evenly from 0 to 1; see `Medium`.
+        stencils: Levels between which light is interpolated, between each level and the next.
         sun_zenith: Of the suns, increasing [rad].
         mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
         weight: Of each direction; over a level and 2π of azimuth they sum to 4π.
@@ -37,10 +42,25 @@ class Grid(eqx.Module):
 
     altitude: Float[Array, " level"]
     level: Float[Array, " level"]
+    stencils: Bool[Array, "interval level"]
     sun_zenith: Float[Array, " sun"]
     mu: Float[Array, "level ray"]
     weight: Float[Array, "level ray"]
     cos_azimuth: Float[Array, " azimuth"]
+
+    def between_levels(self, level: Float[Array, " point"]) -> Float[Array, "point level"]:
+        """Weights of the levels at points given by their coordinate."""
+        x = jnp.clip(level, self.level[0], self.level[-1])[:, None]
+        count = self.level.size
+        interval = jnp.clip(jnp.sum(x >= self.level[None], axis=1) - 1, 0, count - 2)
+        used = self.stencils[interval]
+        gaps = self.level[:, None] - self.level[None, :]
+        itself = jnp.eye(count, dtype=bool)
+        gaps = jnp.where(itself, 1.0, gaps)
+        factors = (x - self.level)[:, None, :] / gaps[None]
+        others = used[:, None, :] & ~itself[None]
+        weights = jnp.prod(jnp.where(others, factors, 1.0), axis=-1)
+        return jnp.where(used, weights, 0.0)
 
     def sun_from(self) -> SunDirection:
         """Directions of the suns in the frame of each azimuth; [azimuth, sun]."""
@@ -76,8 +96,7 @@ def make_grid(
     medium: Medium, sun_zenith: Float[Array, " sun"], levels: int, directions: Directions
 ) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
-    even = jnp.linspace(0, 1, levels, dtype=medium.edges.dtype)
-    altitude = jnp.interp(even, medium.coordinate, medium.edges)
+    altitude, kinked = _levels(medium, levels)
     horizon = medium.planet.horizon(altitude)[:, None]
     horizon = jnp.where(altitude[:, None] > 0, horizon, 0.0)
 
@@ -95,7 +114,43 @@ def make_grid(
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
-    return Grid(altitude, medium.level_at(altitude), sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
+    return Grid(altitude, medium.level_at(altitude), _stencils(kinked), sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
+
+
+def _levels(
+    medium: Medium, count: int
+) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:
+    """Altitudes of levels [m], even in the medium's coordinate or on its strongest kinks.
+
+    And which of them are kinks across which light is not smooth.
+    """
+    even = jnp.linspace(0, 1, count, dtype=medium.edges.dtype)
+    altitude = jnp.interp(even, medium.coordinate, medium.edges)
+    gap = jnp.interp(medium.edges, 0.5 * (altitude[1:] + altitude[:-1]), jnp.diff(altitude))
+    inside = (medium.edges > 0) & (medium.edges < medium.planet.top)
+    strength = jnp.where(inside, medium.kink * gap**2, 0.0)
+    strength, which = jax.lax.top_k(strength, min(_KINKS, count - 2))
+    places = jnp.arange(count)
+    taken = (places == 0) | (places == count - 1)
+    kinked = jnp.zeros_like(taken)
+    for one, edge in zip(strength, which, strict=True):
+        distance = jnp.where(taken, jnp.inf, jnp.abs(even - medium.coordinate[edge]))
+        moved = (places == jnp.argmin(distance)) & (one > _WEAK)
+        altitude = jnp.where(moved, medium.edges[edge], altitude)
+        taken, kinked = taken | moved, kinked | (moved & (one > _STRONG))
+    order = jnp.argsort(altitude)
+    return altitude[order], kinked[order]
+
+
+def _stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
+    """Which levels interpolate between neighbours: the nearest four on this side of a kink."""
+    places = jnp.arange(kinked.size)
+    ends = kinked | (places == 0) | (places == kinked.size - 1)
+    low = jax.lax.cummax(jnp.where(ends, places, 0))[:-1]
+    high = jax.lax.cummin(jnp.where(ends, places, kinked.size), reverse=True)[1:]
+    first = jnp.clip(places[:-1] - 1, low, jnp.maximum(low, high - 3))
+    last = jnp.minimum(first + 3, high)
+    return (places >= first[:, None]) & (places <= last[:, None])
 
 
 def project(
@@ -147,9 +202,8 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
 
         def along(ray, leg, start, offset):
             shade = dimming(columns, ray, middle)
-            path = sample(medium, leg, start, leg.length, quality.field_panels, shade)
-            under = partial(along_path, columns, ray, leg, path, offset, orders=1)
-            return jax.vmap(jax.vmap(lambda sun: under(sun)[0]))(suns)
+            path = sample(medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade)
+            return along_path(columns, ray, leg, path, offset, suns, orders=1)[0]
 
         def ground_along(ray, leg, to_ground):
             under = partial(from_ground, columns, ray, leg.low_distance, to_ground)
@@ -157,15 +211,16 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
 
         strength = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset)
         lit_ground = jax.vmap(ground_along)(*fan.falling(), fan.to_ground)
-        # [ray, node, sun, species, channel]
+        # [ray, species, node, sun, channel]
         strength = fan.collect(strength, jnp.zeros_like(strength[: lit_ground.shape[0]]))
-        strength = jnp.einsum("kn,rnsiw->kirsw", to_modes, strength)
+        strength = jnp.einsum("kn,rinsw->kirsw", to_modes, strength)
         rays = jnp.zeros((fan.up + fan.limb, *lit_ground.shape[1:]), lit_ground.dtype)
         ground = jnp.concatenate([rays, lit_ground])
         ground = jnp.einsum("kn,rnsw->krsw", to_modes, ground)
         light = jnp.zeros((order + 1, *ground.shape[1:]), ground.dtype).at[:nodes].add(ground)
         sine = safe_sqrt(1 - mu**2)
-        for number, harmonics in enumerate(optics.harmonics):
+        phases = []
+        for harmonics in optics.harmonics:
             degree = harmonics.shape[0] - 1
             modes = min(order, degree)
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
@@ -173,9 +228,13 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
             seen = legendre(degree, modes, mu, sine)
             lit = legendre(degree, modes, sun_up, sun_sine)
             source = jnp.einsum("mls,lw->mlsw", lit, scaled)
-            phase = jnp.einsum("mlr,mlsw->mrsw", seen, source)
-            for k in range(nodes):
-                light = light + _times_cosine(phase * strength[k, number], k, order)
+            phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
+        modes = max(phase.shape[0] for phase in phases)
+        for k in range(nodes):
+            lit = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
+            for number, phase in enumerate(phases):
+                lit = lit.at[: phase.shape[0]].add(phase * strength[k, number])
+            light = light + _times_cosine(lit, k, order)
         halves = np.where(np.arange(order + 1) > 0, 0.5, 1.0)
         by_mode = light * jnp.asarray(halves, mu.dtype)[:, None, None, None]
         return project(mu, weight, by_mode, directions.degree)

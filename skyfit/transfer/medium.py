@@ -48,6 +48,7 @@ class Medium(eqx.Module):
     telling: Float[Array, "few species"]
     coordinate: Float[Array, " edge"]
     coordinate_scale: Scalar
+    kink: Float[Array, " edge"]
 
     def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
         """Relative densities at one point in every shell, given as a share of its depth."""
@@ -110,9 +111,14 @@ def make_medium(
     none = jnp.zeros_like(column[:1])
     above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
     telling = _telling(optics.extinction, above[0])
+    slope_below = (cubics[:, 1] + 2 * cubics[:, 2] + 3 * cubics[:, 3]) / jnp.where(depth > 0, depth, jnp.inf).T
+    slope_above = cubics[:, 1] / jnp.where(depth > 0, depth, jnp.inf).T
+    pad = jnp.zeros_like(slope_above[:, :1])
+    jump = jnp.concatenate([slope_above, pad], axis=1) - jnp.concatenate([pad, slope_below], axis=1)
+    kink = jnp.mean(jnp.abs(telling @ jump), axis=0)
     mixed = _mixed(edges / planet.top, above @ telling.T, above[0] @ telling.T)
     return Medium(
-        atmosphere, planet, optics, edges, cubics, above, telling, mixed / mixed[-1], mixed[-1]
+        atmosphere, planet, optics, edges, cubics, above, telling, mixed / mixed[-1], mixed[-1], kink
     )
 
 

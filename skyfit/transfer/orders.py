@@ -61,6 +61,7 @@ def send(
     strikes: Bool[Array, ""],
     sun: SunDirection,
     panels: int,
+    kinks: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one leg of a ray, under one or many suns.
 
@@ -82,9 +83,9 @@ def send(
     """
     extinction = medium.optics.extinction
     order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
-    path = sample(medium, leg, start, leg.length, panels)
+    path = sample(medium, leg, start, leg.length, panels, kinks)
     arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
-    near = lagrange_weights(grid.level, medium.level_at(path.altitude))
+    near = grid.between_levels(medium.level_at(path.altitude))
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
     sine = medium.planet.sine_at_level(ray, grid.altitude)
     harmonics = legendre(degree, order, crossing, sine)
@@ -116,6 +117,7 @@ def gather(
     *,
     kind: Kind,
     panels: int,
+    kinks: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one line of sight; arguments as for `send`."""
     farthest = medium.sight()
@@ -124,7 +126,7 @@ def gather(
     def sent_along(leg, start, offset, to_ground, strikes):
         return send(
             medium, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
-            panels,
+            panels, kinks,
         )  # fmt: skip
 
     missed = jnp.asarray(False)
@@ -159,7 +161,7 @@ def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Fi
         def along(ray, leg, start, offset, column, strikes):
             return send(
                 medium, grid, source, ray, leg, start, offset, column, strikes, suns,
-                quality.field_panels,
+                quality.field_panels, quality.field_kinks,
             )  # fmt: skip
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)

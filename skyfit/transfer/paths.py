@@ -28,7 +28,10 @@ Kind = Literal["rising", "any"]
 """Lines of sight that all rise, or that go anywhere: known before compiling."""
 
 
-NODES = 4  # Gauss nodes on each panel of a stretch
+_EVEN, _LEVEL, _EYE, _SUN = 1.0, 1.0, 1.0, 1.0
+_FADE = 0.4
+NODES = 3  # Gauss nodes on each panel of a stretch
+_MISSED = 0.05  # share of a panel's column; less is no likeness of it
 _THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
@@ -153,6 +156,7 @@ def sample(
     start: Scalar,
     end: Scalar,
     panels: int,
+    kinks: int,
     dimming: Callable[[Float[Array, " edge"], Float[Array, " edge"]], Array] | None = None,
 ) -> Path:
     """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
@@ -197,63 +201,94 @@ def sample(
 
     at, column = crossings(medium, leg, start, end)
     even = undo(at)
-    importance = _importance(medium, leg, at, column, even, dimming)
+    importance, light = _importance(medium, leg, at, column, even, dimming)
     share = jnp.arange(1, panels, dtype=even.dtype) / panels
     ends = jnp.asarray([0.0, 1.0], even.dtype)
     cuts = jnp.concatenate([ends[:1], jnp.interp(share, importance, even), ends[1:]])
-    x = (cuts[:-1, None] + jnp.diff(cuts)[:, None] * jnp.asarray(gauss(NODES)[0], even.dtype)).ravel()
-    kinks = undo(medium.planet.to_level(leg.altitude, leg.mu, medium.atmosphere.knots()))
-    edges = jnp.sort(jnp.concatenate([cuts, x, kinks]))
-    fine, piece = _in_panels(edges, 3)
-    fine, piece = fine.ravel(), piece.ravel()
-    outwards, slope = place(fine)
+    cuts = jnp.sort(jnp.concatenate([cuts, _kinks(medium, leg, at, even, light, cuts, kinks)]))
+    gauss_nodes, gauss_weights = (jnp.asarray(g, even.dtype) for g in gauss(NODES))
+    width = jnp.diff(cuts)[:, None]
+    x = (cuts[:-1, None] + width * gauss_nodes).ravel()
+    outwards, slope = place(x)
+    ends, _ = place(cuts)
+    columns, densities = _inside(medium, leg, at, column, jnp.concatenate([ends, outwards]))
+    whole = jnp.maximum(jnp.diff(columns[: cuts.size], axis=0), 0.0)
+    shares = (width * gauss_weights).ravel() * slope
+    weight = shares[:, None] * densities[cuts.size :]
+    # What the nodes of a panel miss of its column they are given: all of it counts.
+    by_panel = weight.reshape(width.size, NODES, -1)
+    seen = jnp.sum(by_panel, axis=1, keepdims=True)
+    found = seen > _MISSED * whole[:, None]
+    scale = jnp.where(found, whole[:, None], 0.0) / jnp.where(found, seen, 1.0)
+    spread = gauss_weights[None, :, None] * whole[:, None]
+    weight = jnp.where(found, by_panel * scale, spread).reshape(x.size, -1)
     altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
-    density = medium.atmosphere.density(altitude) * (slope * piece)[:, None]
-    running = jnp.cumsum(jnp.sum(density.reshape(edges.size - 1, 3, -1), axis=1), axis=0)
-    running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
-    before = jnp.sum(edges[None, :] < x[:, None], axis=1)
-    outwards, _ = place(x)
-    low = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
-    weight = _panel_weights(cuts, fine) @ density
-    return Path(leg.from_eye(outwards), low, weight, running[before], running[-1])
+    return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], column[-1])
 
 
-def _importance(medium, leg, at, column, even, dimming) -> Float[Array, " edge"]:
+def _importance(medium, leg, at, column, even, dimming):
     """Share of what matters between the start of a stretch and each crossing, from 0 to 1."""
     altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
     level = jnp.interp(altitude, medium.edges, medium.coordinate)
     depth = column @ medium.telling.T
     depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
-    changes = [jnp.diff(even)[:, None], jnp.diff(level)[:, None], jnp.diff(jnp.exp(-depth), axis=0)]
+    changes = [_EVEN * jnp.diff(even)[:, None], _LEVEL * jnp.diff(level)[:, None]]
+    light = jnp.exp(-depth)
+    changes.append(_EYE * jnp.diff(jnp.exp(-_FADE * depth), axis=0))
     if dimming is not None:
         total = depth + dimming(altitude, leg.from_eye(at))
         total = total - jax.lax.stop_gradient(jnp.min(total, axis=0))
-        changes.append(jnp.diff(jnp.exp(-total), axis=0))
+        light = jnp.exp(-total)
+        changes.append(_SUN * jnp.diff(jnp.exp(-_FADE * total), axis=0))
     sizes = [jnp.mean(jnp.abs(change), axis=1) for change in changes]
     running = jnp.cumsum(sum(sizes))
     running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
     whole = jnp.where(running[-1] > 0, running[-1], 1.0)
-    return running / whole
+    return running / whole, jnp.mean(light, axis=1)
 
 
-def _panel_weights(
-    cuts: Float[Array, " cut"], fine: Float[Array, " point"]
-) -> Float[Array, "node point"]:
-    """What each point of a panel counts for each of the panel's nodes: Lagrange's polynomials."""
-    width = jnp.diff(cuts)
-    own = jnp.clip(jnp.sum(fine[:, None] >= cuts[None, :], axis=1) - 1, 0, width.size - 1)
-    local = (fine - cuts[own]) / jnp.where(width[own] > 0, width[own], 1.0)
-    nodes = gauss(NODES)[0]
-    basis = []
-    for k in range(NODES):
-        others = np.delete(nodes, k)
-        value = jnp.ones_like(local)
-        for other in others:
-            value = value * (local - float(other)) / float(nodes[k] - other)
-        basis.append(value)
-    here = own[None, :] == jnp.arange(width.size)[:, None]
-    dense = jnp.where(here[:, None, :], jnp.stack(basis)[None], 0.0)
-    return dense.reshape(width.size * NODES, fine.size)
+def _kinks(medium, leg, at, even, light, cuts, count):
+    """Where the strongest kinks of the density are that are seen, by the even coordinate."""
+    slant = medium.planet.mu_at_level(leg.altitude, leg.mu, medium.edges)
+    place = jnp.clip(jnp.sum(even[:, None] >= cuts[None], axis=1), 1, cuts.size - 1)
+    width = jnp.diff(cuts)[place - 1]
+    inside = (even > 0) & (even < 1)
+    strength = jnp.where(inside, medium.kink * slant * light * width**2 * (at[-1] - at[0]) ** 2, 0.0)
+    strength, which = jax.lax.top_k(strength, count)
+    return jnp.where(strength > 0, even[which], 0.0)
+
+
+def _inside(
+    medium: Medium,
+    leg: Leg,
+    at: Float[Array, " edge"],
+    column: Float[Array, "edge species"],
+    points: Float[Array, " point"],
+) -> tuple[Float[Array, "point species"], Float[Array, "point species"]]:
+    """Columns from where a leg starts to points on it [m], and relative densities there.
+
+    Args:
+        medium: What the leg crosses.
+        leg: Of a ray.
+        at: Where it crosses the edges of shells [m].
+        column: From its start to there [m].
+        points: Distances outwards [m].
+    """
+    planet, edges = medium.planet, medium.edges
+    shell = jnp.clip(jnp.sum(points[:, None] >= at[None, :], axis=1) - 1, 0, edges.size - 2)
+    low, bottom = at[shell], edges[shell]
+    depth = edges[shell + 1] - bottom
+    c0, c1, c2, c3 = (medium.cubics[:, power][:, shell] for power in range(4))
+
+    def density(distance):
+        altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
+        y = jnp.clip((altitude - bottom) / jnp.where(depth > 0, depth, 1.0), 0.0, 1.0)[None]
+        return jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0).T
+
+    total = jnp.zeros((points.size, medium.cubics.shape[0]), edges.dtype)
+    for x, w in zip(*gauss(3), strict=True):
+        total = total + float(w) * density(low + float(x) * (points - low))
+    return column[shell] + total * (points - low)[:, None], density(points)
 
 
 def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[Array, " species"]:
@@ -299,10 +334,3 @@ def both_legs(
     column = column_along(medium, falling, start, falling.length)
     both = jax.tree.map(lambda *parts: jnp.stack(parts), falling, rising)
     return both, jnp.stack([start, jnp.zeros_like(start)]), column, strikes
-
-
-def _in_panels(edges: Float[Array, " edge"], count: int):
-    """Gauss nodes and weights between neighbouring edges; [panel, node] each."""
-    x, w = (jnp.asarray(a, edges.dtype)[None, :] for a in gauss(count))
-    width = jnp.diff(edges)[:, None]
-    return edges[:-1, None] + width * x, width * w

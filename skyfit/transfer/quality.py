@@ -41,9 +41,11 @@ class Quality(NamedTuple):
     """
 
     view_panels: int
+    view_kinks: int
     column_angles: int
     levels: int
     field_panels: int
+    field_kinks: int
     first: Directions
     higher: Directions
     sun_azimuths: int
@@ -65,9 +67,11 @@ ALL_SUNS_DEG = (
 QUALITIES = {
     "draft": Quality(
         view_panels=8,
+        view_kinks=4,
         column_angles=48,
         levels=10,
         field_panels=3,
+        field_kinks=2,
         first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14, modes=12),
         higher=Directions(up=8, limb=2, down=4, azimuths=8, degree=8, modes=6),
         sun_azimuths=3,
@@ -75,10 +79,12 @@ QUALITIES = {
         tolerance=1e-5,
     ),
     "default": Quality(
-        view_panels=12,
+        view_panels=11,
+        view_kinks=6,
         column_angles=64,
         levels=16,
-        field_panels=4,
+        field_panels=3,
+        field_kinks=3,
         first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26, modes=16),
         higher=Directions(up=10, limb=3, down=6, azimuths=12, degree=18, modes=10),
         sun_azimuths=3,
@@ -87,9 +93,11 @@ QUALITIES = {
     ),
     "high": Quality(
         view_panels=20,
+        view_kinks=10,
         column_angles=128,
         levels=28,
-        field_panels=7,
+        field_panels=8,
+        field_kinks=6,
         first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44, modes=32),
         higher=Directions(up=18, limb=4, down=10, azimuths=18, degree=30, modes=16),
         sun_azimuths=4,

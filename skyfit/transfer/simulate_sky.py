@@ -162,8 +162,10 @@ def _simulate(
         if count == 1:
             return first[None], first[None]
         nodes = _suns(view.sun, suns, flat, quality)
-        grid = make_grid(medium, nodes, quality.levels, quality.first)
-        higher = make_grid(medium, nodes, quality.levels, quality.higher)
+        # In twilight light comes from air high up, which is even less like that below.
+        levels = quality.levels if suns in ("near", "low") else 2 * quality.levels - 4
+        grid = make_grid(medium, nodes, levels, quality.first)
+        higher = make_grid(medium, nodes, levels, quality.higher)
         field = first_field(columns, grid, quality)
 
         def look(field):
@@ -171,7 +173,8 @@ def _simulate(
 
             def along(ray, sun, meets):
                 light = gather(
-                    medium, grid, source, ray, sun, kind=kind, panels=quality.field_panels
+                    medium, grid, source, ray, sun, kind=kind,
+                    panels=quality.view_panels, kinks=quality.view_kinks,
                 )
                 return jnp.where(meets, light, 0.0)
 
@@ -252,7 +255,8 @@ def _first(
 
     def along(ray, suns, meets):
         found = first_order(
-            medium, columns, ray, suns, kind=kind, panels=quality.view_panels, split=split
+            medium, columns, ray, suns, kind=kind, panels=quality.view_panels, kinks=quality.view_kinks,
+            split=split
         )
         return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found)
 

@@ -18,6 +18,7 @@ from .paths import Kind, Leg, Path, both_legs, column_along, rising_leg, sample
 
 
 _DARK = 700.0  # optical depth that stands for the planet's shadow
+_BLACK_COLUMN, _LEAST = 1e30, 1e-25  # m and 1/m: their product is dark, the second alone nothing
 
 
 def sunlight_at(
@@ -28,9 +29,10 @@ def sunlight_at(
 ) -> tuple[Float[Array, "*b channel"], Float[Array, "*b species"]]:
     """Transmittance from the sun to a point times that from there to the eye; and the column."""
     sun_column, lit = columns(altitude, mu)
-    column = sun_column + eye_column
-    light = jnp.exp(-column @ columns.medium.optics.extinction)
-    return jnp.where(lit[..., None], light, 0.0), column
+    # The shadow is a column that no light passes, not even where nothing dims it; a mask after the
+    # product with the spectrum would cost as much as the exponential.
+    column = jnp.where(lit[..., None], sun_column + eye_column, _BLACK_COLUMN)
+    return jnp.exp(-(column @ (columns.medium.optics.extinction + _LEAST))), column
 
 
 def dimming(columns: SunColumns, ray: Ray, sun: SunDirection):
@@ -52,8 +54,8 @@ def along_path(
     offset: Float[Array, " species"],
     sun: SunDirection,
     orders: int = 2,
-) -> Float[Array, "{orders} species channel"]:
-    """Sunlight that nodes on one leg of a ray would send to the eye, under one sun.
+) -> Float[Array, "{orders} species *sun channel"]:
+    """Sunlight that nodes on one leg of a ray would send to the eye.
 
     Args:
         columns: Towards the sun.
@@ -61,7 +63,7 @@ def along_path(
         leg: One of its legs.
         path: Nodes on a stretch of it.
         offset: Column between the eye and the stretch's nearer end [m].
-        sun: As seen from the eye, in the frame of the ray.
+        sun: As seen from the eye, in the frame of the ray; one or many, any shape.
         orders: 1 or 2.
 
     Returns:
@@ -69,13 +71,14 @@ def along_path(
         the first order; and in the second, what went straight on once before or after.
     """
     optics = columns.medium.optics
-    here = columns.medium.planet.turn_sun(sun, ray, path.distance)
-    to_eye = path.to_eye(leg, offset)
-    light, column = sunlight_at(columns, path.altitude, here.up, to_eye)
-    if orders == 1:
-        return (path.weight.T @ light)[None]
-    again = light * (column @ optics.straight)
-    return jnp.stack([path.weight.T @ light, path.weight.T @ again])
+    wide = (-1,) + (1,) * sun.up.ndim
+    here = columns.medium.planet.turn_sun(sun, ray, path.distance.reshape(wide))
+    to_eye = path.to_eye(leg, offset).reshape(*path.distance.shape, *wide[1:], -1)
+    light, column = sunlight_at(columns, path.altitude.reshape(wide), here.up, to_eye)
+    # One product of matrices for all suns: [species, node] @ [node, sun · channel].
+    kinds = [light] if orders == 1 else [light, light * jnp.minimum(column @ optics.straight, _DARK)]
+    flat = [path.weight.T @ kind.reshape(path.distance.size, -1) for kind in kinds]
+    return jnp.stack([one.reshape(-1, *light.shape[1:]) for one in flat])
 
 
 def from_ground(
@@ -94,7 +97,7 @@ def from_ground(
     altitude = jnp.zeros_like(ray.mu)
     light, column = sunlight_at(columns, altitude, below.up, to_ground)
     light = optics.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
-    return jnp.stack([light, light * (column @ optics.straight)])
+    return jnp.stack([light, light * jnp.minimum(column @ optics.straight, _DARK)])
 
 
 def first_order(
@@ -105,6 +108,7 @@ def first_order(
     *,
     kind: Kind,
     panels: int,
+    kinks: int,
     split: bool,
 ) -> tuple[Float[Array, "sun order species channel"], Float[Array, "sun order channel"]]:
     """First-order light along one line of sight under several suns, per unit of solar irradiance.
@@ -129,8 +133,9 @@ def first_order(
     def light_of(leg: Leg, start, offset):
         if not split:
             middle = jax.tree.map(jnp.mean, suns)
-            path = sample(medium, leg, start, leg.length, panels, dimming(columns, ray, middle))
-            return jax.vmap(partial(along_path, columns, ray, leg, path, offset))(suns)
+            path = sample(medium, leg, start, leg.length, panels, kinks, dimming(columns, ray, middle))
+            light = along_path(columns, ray, leg, path, offset, suns)
+            return jnp.moveaxis(light, 2, 0)
         return jax.vmap(partial(split_light, leg, start, offset))(suns)
 
     def split_light(leg: Leg, start, offset, sun: SunDirection):
@@ -147,7 +152,7 @@ def first_order(
         far = offset + jnp.where(rises, inner, 0.0)
 
         def light_from(low, high, column):
-            path = sample(medium, leg, low, high, panels, dimming(columns, ray, sun))
+            path = sample(medium, leg, low, high, panels, kinks, dimming(columns, ray, sun))
             return along_path(columns, ray, leg, path, column, sun)
 
         # Both stretches go through one compiled program.
