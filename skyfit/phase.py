@@ -8,12 +8,12 @@ forward, and answers in the same shape; with a wavelength axis last if it depend
 import abc
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_float, as_parameter, check, falls_or_stays
+from .phase_tables import normalised, panel_nodes
 
 
 class AbstractPhaseFunction(eqx.Module):
@@ -246,7 +246,7 @@ class Tabulated(AbstractPhaseFunction):
         p = check(p, lambda v: ~((v > 0) & (v < np.inf)), "phase.Tabulated: value must be above 0")
         self.grey = p.ndim == 1
         self.angle = theta
-        self.log_value = _normalised(theta, p if p.ndim == 2 else p[:, None])
+        self.log_value = normalised(theta, p if p.ndim == 2 else p[:, None])
 
     @property
     def is_grey(self) -> bool:
@@ -270,7 +270,7 @@ class Tabulated(AbstractPhaseFunction):
 
     def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree, by Gauss quadrature between the table's angles."""
-        theta, weight = _panel_nodes(self.angle, nodes_per_panel=max(12, degree))
+        theta, weight = panel_nodes(self.angle, nodes_per_panel=max(12, degree))
         polynomials = legendre_polynomials(degree, jnp.cos(theta))
         weighted = (2 * np.pi * weight * jnp.sin(theta))[:, None] * self.spectral(jnp.cos(theta))
         return polynomials @ weighted
@@ -291,41 +291,3 @@ def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "{degre
     first = jnp.ones((1, *g.shape), g.dtype)
     rest = jnp.broadcast_to(g, (degree, *g.shape))
     return jnp.concatenate([first, jnp.cumprod(rest, axis=0)])
-
-
-def _panels(angle: Float[Array, " angle"]) -> Float[Array, " edge"]:
-    """Edges 0, the table's angles, π; a panel of no width where they coincide."""
-    return jnp.concatenate([jnp.zeros_like(angle[:1]), angle, jnp.full_like(angle[:1], np.pi)])
-
-
-def _panel_nodes(angle, nodes_per_panel):
-    """Gauss–Legendre nodes and weights in angle over [0, π], panel by panel."""
-    edges = _panels(angle)
-    x, w = np.polynomial.legendre.leggauss(nodes_per_panel)
-    half = 0.5 * jnp.diff(edges)[:, None]
-    middle = 0.5 * (edges[1:] + edges[:-1])[:, None]
-    x, w = as_parameter(x)[None, :], as_parameter(w)[None, :]
-    return (middle + half * x).ravel(), (half * w).ravel()
-
-
-@jax.jit
-def _normalised(angle, value):
-    """Logarithm of values divided by their integral over the sphere."""
-    log_p = jnp.log(value)
-    return log_p - jnp.log(_sphere_integral(angle, log_p))[None, :]
-
-
-def _sphere_integral(angle, log_p):
-    """2π ∫ p sinΘ dΘ of the log-linear interpolation, exactly; [wavelength]."""
-    edges = _panels(angle)
-    log_edge = jnp.concatenate([log_p[:1], log_p, log_p[-1:]])
-    width = jnp.diff(edges)[:, None]
-    slope = jnp.diff(log_edge, axis=0) / jnp.where(width > 0, width, 1.0)
-
-    def antiderivative(log_value, theta):
-        # d/dΘ of e^{bΘ} (b sinΘ - cosΘ) / (1 + b²) is e^{bΘ} sinΘ.
-        return jnp.exp(log_value) * (slope * jnp.sin(theta) - jnp.cos(theta)) / (1 + slope**2)
-
-    low, high = edges[:-1, None], edges[1:, None]
-    parts = antiderivative(log_edge[1:], high) - antiderivative(log_edge[:-1], low)
-    return 2 * np.pi * jnp.sum(parts, axis=0)

@@ -72,8 +72,8 @@ def test_rayleighs_function_is_twice_as_bright_forward_as_aside():
 
 
 def test_depolarised_scattering_has_the_values_of_its_formula():
-    # δ = 0.0279 is a King factor of 1.048, (6 + 3δ)/(6 - 7δ). 90°: 3/(8π) 1.0279/2.0279; forward and
-    # backward 3/(8π) 2/2.0279.
+    # δ = 0.0279 is a King factor of 1.048, (6 + 3δ)/(6 - 7δ). At 90° 3/(8π) 1.0279/2.0279; forward
+    # and backward 3/(8π) 2/2.0279.
     p = phase.Rayleigh(0.0279)
     np.testing.assert_allclose(p(0.0), 0.119366207 * 0.50687904, rtol=1e-8)
     np.testing.assert_allclose([p(1.0), p(-1.0)], 0.119366207 * 0.98624192, rtol=1e-8)
