@@ -9,6 +9,7 @@ AIR_NUMBER_DENSITY = 2.545e25  # m^-3 at 288.15 K and 1013 mbar (the paper print
 AIR_DEPOLARISATION = 0.035
 JUNGE_EXPONENT = 4  # size distribution of the haze
 
+LOSCHMIDT = 2.686780111e25  # m^-3; CODATA 2018, at 273.15 K and 101.325 kPa: a Dobson unit's gas
 SUN_SOLID_ANGLE = 6.80e-5  # sr at one astronomical unit: angular radius 959.63" (IAU 1976)
 LUMINOUS_EFFICACY = 683.002  # lm/W at 555 nm, CIE 018:2019, K_m for standard air
 TURBIDITY_WAVELENGTH = 550.0  # nm; Preetham et al. (1999), section 2.1

@@ -114,6 +114,24 @@ class Tabulated(AbstractProfile):
         return total
 
 
+class Squared(AbstractProfile):
+    """The square of another profile: of pairs of molecules that collide.
+
+    Args:
+        base: Relative density of the molecules.
+    """
+
+    base: AbstractProfile
+
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
+        """Relative density [1] at altitudes [m]."""
+        return self.base(altitude) ** 2
+
+    def knots(self) -> Float[Array, " knot"]:
+        """Those of the other profile [m]."""
+        return self.base.knots()
+
+
 _GEOPOTENTIAL_RADIUS = 6.356766e6  # m; r0 of NOAA-S/T 76-1562, equation 18
 
 

@@ -54,7 +54,9 @@ def _phase(phase) -> Callable:
     if isinstance(phase, sky_phase.Isotropic):
         return lambda mu: np.full((*np.shape(mu), 1), 1 / (4 * np.pi))
     if isinstance(phase, sky_phase.Rayleigh):
-        return lambda mu: (0.75 * (1 + mu**2) / (4 * np.pi))[..., None]
+        delta = np.asarray(phase.depolarisation)
+        scale = 1.5 / (2 + delta) / (4 * np.pi)
+        return lambda mu: scale * (1 + delta + (1 - delta) * mu[..., None] ** 2)
     if isinstance(phase, sky_phase.HenyeyGreenstein):
         return lambda mu: _henyey_greenstein(np.asarray(phase.g), mu)
     if isinstance(phase, sky_phase.CornetteShanks):

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from pathlib import Path
 
+import colour
 import jax.numpy as jnp
 import miepython
 import numpy as np
@@ -11,7 +12,12 @@ import pytest
 
 import skyfit
 from skyfit.constants import ASTRONOMICAL_UNIT, SUN_RADIUS
-from skyfit.description.gases import air_cross_section
+from skyfit.description.gases import (
+    air_cross_section,
+    air_depolarisation,
+    nitrogen_dioxide_cross_section,
+    oxygen_dimer_cross_section,
+)
 from skyfit.description.mie import angular_functions, mie_optics, number_density
 from skyfit.description.spectra import planck, spectrum_at, sunlight_above
 
@@ -104,11 +110,103 @@ def test_a_gas_scatters_by_the_fourth_power_and_its_tables_are_met(tmp_path):
     np.testing.assert_allclose(np.asarray(two.scattering)[[0, 2]], [2e-5, 6e-6], rtol=1e-12)
 
 
-def test_ozone_has_the_column_of_its_dobson_units(tmp_path):
-    ozone = AIR + '[[constituents]]\nname = "ozone"\nkind = "ozone"\ndobson_units = 350\n'
-    built_in = skyfit.preetham_atmosphere(2.0, wavelengths=LAM, ozone=True)
-    found = atmosphere(tmp_path, ozone).optical_depth()[1]
-    np.testing.assert_allclose(found, built_in.optical_depth()[2], rtol=1e-12)
+OZONE = AIR + '[[constituents]]\nname = "ozone"\nkind = "ozone"\ndobson_units = 300\n'
+
+
+def test_three_hundred_dobson_units_of_ozone_have_their_known_optical_depth(tmp_path):
+    # 300 DU are 8.06e18 per cm²; cross-sections of Malicet et al. (1995), 228 K, and Brion et al.
+    # (1998), 218 K, means over 1 nm at 300 to 330 and over 10 nm at 500 to 640 nm, in cm².
+    others = {300: 3.536e-19, 310: 8.576e-20, 320: 2.440e-20, 330: 3.815e-21,
+              500: 1.219e-21, 540: 2.972e-21, 600: 5.153e-21, 640: 2.987e-21}  # fmt: skip
+    found = atmosphere(tmp_path, OZONE, np.array(list(others), float)).optical_depth()[1]
+    np.testing.assert_allclose(found, 8.06e18 * np.array(list(others.values())), rtol=0.025)
+
+
+def test_the_papers_ozone_can_be_asked_for_and_is_that_of_older_records(tmp_path):
+    built_in = skyfit.preetham_atmosphere(2.0, wavelengths=LAM, ozone=True).optical_depth()[2]
+    papers = OZONE.replace("300", "350") + 'cross_section = "preetham1999"\n'
+    found = atmosphere(tmp_path, papers).optical_depth()[1]
+    np.testing.assert_allclose(found, built_in, rtol=1e-12)
+    record = skyfit.load_campaign(tmp_path / "own.toml").to_dict()
+    del record["atmosphere"]["constituents"][1]["cross_section"]
+    old = skyfit.Campaign.from_dict(record).atmosphere.build(LAM)
+    np.testing.assert_array_equal(old.optical_depth()[1], found)
+
+
+def test_air_depolarises_by_the_king_factor_of_its_cross_section(tmp_path):
+    lam = np.array([300.0, 400.0, 550.0, 700.0])
+    king = colour.phenomena.rayleigh.F_air_Bodhaine1999(1e-3 * lam, 360)  # µm, ppm
+    delta = air_depolarisation(lam)
+    np.testing.assert_allclose((6 + 3 * delta) / (6 - 7 * delta), king, rtol=1e-6)
+    np.testing.assert_allclose(delta[2], 0.0279, rtol=0.02)  # Young (1980): grey, F = 1.048
+    air = AIR.replace("preetham_air", "air")
+    phase = atmosphere(tmp_path, air).constituents[0].phase
+    np.testing.assert_allclose(phase(0.0)[1], 3 / (8 * np.pi) * 1.02833 / 2.02833, rtol=1e-5)
+    for plain in (AIR, air + "depolarised = false\n"):
+        phase = atmosphere(tmp_path, plain).constituents[0].phase
+        np.testing.assert_allclose(phase(0.0), 3 / (16 * np.pi), rtol=1e-12)
+
+
+def test_a_gas_depolarises_as_its_table_says(tmp_path):
+    gas = (
+        '[[constituents]]\nname = "gas"\nkind = "gas"\nscattering_per_m = 1e-5\n'
+        "profile = {kind = 'exponential', scale_height_m = 8000}\n"
+    )
+    one = atmosphere(tmp_path, gas + "depolarisation = 0.08\n").constituents[0]
+    np.testing.assert_allclose(one.phase(1.0), 3 / (8 * np.pi) * 2 / 2.08, rtol=1e-12)
+    table = "depolarisation = {wavelength_nm = [450, 650], value = [0.08, 0.04]}\n"
+    two = atmosphere(tmp_path, gas + table).constituents[0]
+    np.testing.assert_allclose(two.phase.depolarisation, [0.08, 0.06, 0.04], rtol=1e-12)
+
+
+NITROGEN_DIOXIDE = AIR + '[[constituents]]\nname = "no2"\nkind = "nitrogen_dioxide"\n'
+
+
+def test_nitrogen_dioxide_has_the_column_that_it_is_given(tmp_path):
+    # Bogumil et al. (2003), means over 5 nm in cm², at 294 K; 1e16 per cm² in smog.
+    others = {360: 5.170e-19, 400: 6.485e-19, 450: 4.968e-19, 500: 1.841e-19, 550: 1.126e-19}
+    lam = np.array(list(others), float)
+    smog = "temperature_K = 294\nprofile = {kind = 'exponential', scale_height_m = 1000}\n"
+    found = atmosphere(tmp_path, NITROGEN_DIOXIDE + "column_per_m2 = 1e20\n" + smog, lam)
+    found = found.optical_depth()[1]
+    np.testing.assert_allclose(found, 1e16 * np.array(list(others.values())), rtol=0.03)
+    amount = "dobson_units = 0.37219\n"  # of 2.68678e20 per m²
+    same = atmosphere(tmp_path, NITROGEN_DIOXIDE + amount + smog, lam).optical_depth()[1]
+    np.testing.assert_allclose(same, found, rtol=1e-5)
+    cold = atmosphere(tmp_path, NITROGEN_DIOXIDE + amount, lam).optical_depth()[1]
+    # AFGL's U.S. Standard Atmosphere (Anderson et al. 1986): 26.0 km on average, above 12 km.
+    layer = atmosphere(tmp_path, NITROGEN_DIOXIDE + amount, lam).constituents[1].density
+    height = jnp.linspace(0.0, 60e3, 601)
+    np.testing.assert_allclose(jnp.average(height, weights=layer(height)), 26e3, rtol=0.02)
+    middle = nitrogen_dioxide_cross_section(lam, 257.0)
+    np.testing.assert_allclose(middle * 1e20, (cold + found) / 2, rtol=1e-5)
+
+
+def test_pairs_of_oxygen_molecules_absorb_as_measured(tmp_path):
+    # Greenblatt et al. (1990), table 1: peaks at 296 K in cm⁵, and what a mean over 2 nm leaves of
+    # them, by the width of each band; colder pairs absorb up to 5 % more at the peak.
+    lam = np.array([360.0, 380.0, 477.0, 532.0, 577.0, 630.0])
+    peaks = np.array([4.1, 2.4, 6.3, 1.0, 11.0, 7.2]) * 1e-46
+    found = oxygen_dimer_cross_section(lam) * 1e10
+    assert (found > 0.88 * peaks).all()
+    assert (found < 1.12 * peaks).all()
+    assert (oxygen_dimer_cross_section(np.array([300.0, 410.0, 660.0, 800.0])) == 0).all()
+    pairs = AIR + '[[constituents]]\nname = "pairs"\nkind = "oxygen_dimer"\n'
+    sky = atmosphere(tmp_path, pairs, lam)
+    # 0.20946 of 2.547e19 molecules per cm³, and printed densities of the U.S. Standard Atmosphere
+    # 1976, which fall exponentially in between: 1.3e43 pairs per cm⁵.
+    height = np.array([0, 1e3, 2e3, 5e3, 8e3, 10e3, 15e3, 20e3, 30e3])
+    printed = [1.2250, 1.1117, 1.0066, 0.73643, 0.52579, 0.41351, 0.19476, 0.08891, 0.01841]
+    squares = (np.array(printed) / 1.2250) ** 2
+    panels = np.diff(height) * np.diff(squares) / np.diff(np.log(squares))
+    pairs_per_cm5 = (0.20946 * 2.547e19) ** 2 * 1e2 * panels.sum()
+    np.testing.assert_allclose(pairs_per_cm5, 1.3e43, rtol=0.03)
+    np.testing.assert_allclose(sky.optical_depth()[1], pairs_per_cm5 * found, rtol=5e-3)
+    thin = atmosphere(tmp_path, pairs + "pressure_ratio = 0.5\n", lam)
+    np.testing.assert_allclose(4 * thin.extinction[1], sky.extinction[1], rtol=1e-12)
+    heights = jnp.array([0.0, 5e3, 20e3])
+    density = sky.density(heights)
+    np.testing.assert_allclose(density[:, 1], density[:, 0] ** 2, rtol=1e-12)
 
 
 def test_a_table_next_to_the_file_is_read_and_kept(tmp_path):

@@ -11,7 +11,7 @@ import skyfit
 ORDER = [
     "_typing", "constants", "tables",                         # numbers
     "spectrum", "colour", "angles",                           # light and directions
-    "phase", "profile", "atmosphere", "preetham_air", "sun",  # what the sky is made of
+    "phase_tables", "phase", "profile", "atmosphere", "preetham_air", "sun",  # what skies are of
     "description",                                            # and in the words of files
     "transfer",                                               # simulation
     "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies

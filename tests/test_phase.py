@@ -12,6 +12,8 @@ VALUES = np.array([[9.0, 8.0], [6.0, 7.0], [1.2, 1.0], [0.2, 0.3], [0.15, 0.1], 
 FUNCTIONS = {
     "isotropic": phase.Isotropic(),
     "Rayleigh": phase.Rayleigh(),
+    "Rayleigh depolarised": phase.Rayleigh(0.3),
+    "Rayleigh by wavelength": phase.Rayleigh([0.02, 0.03]),
     "Henyey-Greenstein forward": phase.HenyeyGreenstein(0.76),
     "Henyey-Greenstein backward": phase.HenyeyGreenstein(-0.4),
     "Henyey-Greenstein by wavelength": phase.HenyeyGreenstein([0.5, 0.7]),
@@ -67,6 +69,38 @@ def test_rayleighs_function_is_twice_as_bright_forward_as_aside():
     p = phase.Rayleigh()
     np.testing.assert_allclose(p(0.0), 0.05968310365946075, rtol=1e-15)
     np.testing.assert_allclose([p(1.0), p(-1.0)], 2 * 0.05968310365946075, rtol=1e-15)
+
+
+def test_depolarised_scattering_has_the_values_of_its_formula():
+    # δ = 0.0279 is a King factor of 1.048, (6 + 3δ)/(6 - 7δ). At 90° 3/(8π) 1.0279/2.0279; forward
+    # and backward 3/(8π) 2/2.0279.
+    p = phase.Rayleigh(0.0279)
+    np.testing.assert_allclose(p(0.0), 0.119366207 * 0.50687904, rtol=1e-8)
+    np.testing.assert_allclose([p(1.0), p(-1.0)], 0.119366207 * 0.98624192, rtol=1e-8)
+    np.testing.assert_allclose(coefficients(p, 2)[2, 0], 0.9721 / (5 * 2.0279), rtol=1e-14)
+    # Isotropic where the light at 90° is wholly depolarised.
+    np.testing.assert_allclose(phase.Rayleigh(1.0)(0.3), 1 / (4 * np.pi), rtol=1e-14)
+
+
+def test_depolarisation_has_the_gradient_of_its_formula():
+    @jax.jit
+    @jax.grad
+    def slope(delta):
+        return phase.Rayleigh(delta)(0.5)
+
+    # d/dδ of (1 + δ + (1 - δ) μ²) / (2 + δ) is (1 - 3 μ²) / (2 + δ)².
+    want = 3 / (8 * np.pi) * 0.25 / 2.03**2
+    np.testing.assert_allclose(slope(0.03), want, rtol=1e-12)
+
+
+@pytest.mark.parametrize("delta", [-0.1, 1.1, np.nan])
+def test_depolarisation_lies_between_0_and_1(delta):
+    with pytest.raises(
+        ValueError, match=r"Rayleigh\(depolarisation=...\) must lie in \[0, 1\]; got"
+    ):
+        phase.Rayleigh(delta)
+    with pytest.raises(ValueError, match="expected one value or one per wavelength; got shape"):
+        phase.Rayleigh([[0.1]])
 
 
 def test_henyey_greensteins_function_has_its_textbook_values():
@@ -134,7 +168,7 @@ def test_fewer_legendre_coefficients_are_the_first_of_more(p):
         np.testing.assert_allclose(few, coefficients(p, 12)[: degree + 1], atol=1e-14)
 
 
-@pytest.mark.parametrize("name", ["isotropic", "Rayleigh"])
+@pytest.mark.parametrize("name", ["isotropic", "Rayleigh", "Rayleigh depolarised"])
 def test_a_polynomial_has_no_coefficient_beyond_its_degree(name):
     p = FUNCTIONS[name]
     mu, weight = nodes(p)

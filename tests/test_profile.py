@@ -31,6 +31,7 @@ PROFILES = [
     profile.Tabulated([0.0, 1e3, 4e3, 60e3], [1.0, 0.5, 0.2, 0.1]),
     profile.StandardAtmosphere(),
     profile.elterman_haze(),
+    profile.Squared(profile.StandardAtmosphere()),
 ]
 # Small programs: eager calls would compile every operation by itself.
 density = eqx.filter_jit(lambda rho, altitude: rho(altitude))
@@ -196,3 +197,11 @@ def test_a_scale_height_is_checked_under_jit():
 def test_a_table_out_of_order_is_refused(altitude, density, message):
     with pytest.raises(ValueError, match="profile.Tabulated: .*" + message):
         profile.Tabulated(altitude, density)
+
+
+def test_the_square_of_an_exponential_has_half_its_scale_height():
+    pairs, half = profile.Squared(profile.Exponential(8e3)), profile.Exponential(4e3)
+    altitude = jnp.array([0.0, 1e3, 20e3])
+    np.testing.assert_allclose(density(pairs, altitude), density(half, altitude), rtol=1e-12)
+    layers = profile.StandardAtmosphere()
+    np.testing.assert_array_equal(profile.Squared(layers).knots(), layers.knots())

@@ -6,7 +6,17 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from .numbers import AboveZero, Number, ZeroOrMore, over, spectral
-from .parts import Air, Gas, Name, Ozone, PreethamAir, Profile, Standard
+from .parts import (
+    Air,
+    Gas,
+    Name,
+    NitrogenDioxide,
+    OxygenDimer,
+    Ozone,
+    PreethamAir,
+    Profile,
+    Standard,
+)
 from .section import Section
 
 
@@ -142,6 +152,15 @@ class TableAerosol(Lobed):
 
 
 Constituent = Annotated[
-    Air | PreethamAir | Ozone | Gas | PreethamHaze | AngstromAerosol | MieAerosol | TableAerosol,
+    Air
+    | PreethamAir
+    | Ozone
+    | NitrogenDioxide
+    | OxygenDimer
+    | Gas
+    | PreethamHaze
+    | AngstromAerosol
+    | MieAerosol
+    | TableAerosol,
     Field(discriminator="kind"),
 ]

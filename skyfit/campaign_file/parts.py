@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, StringConstraints, model_validator
 
 from ..constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
-from .numbers import AboveZero, ZeroOrMore, over, spectral
+from .numbers import AboveZero, Number, Share, ZeroOrMore, over, spectral
 from .section import Section
 
 
@@ -92,11 +92,12 @@ Profile = Annotated[Exponential | Tent | Table | Standard, Field(discriminator="
 
 
 class Air(Section):
-    """Dry air, after Bodhaine et al. (1999)."""
+    """Dry air, after Bodhaine et al. (1999); its molecules depolarise, unless told not to."""
 
     name: Name
     kind: Literal["air"]
     pressure_ratio: AboveZero = 1.0
+    depolarised: bool = True
     profile: Profile = Standard(kind="us_standard_1976")
 
 
@@ -109,12 +110,45 @@ class PreethamAir(Section):
 
 
 class Ozone(Section):
-    """Ozone, with the absorption of Preetham et al. (1999), table 2."""
+    """Ozone, after Bogumil et al. (2003), or Preetham et al. (1999), table 2."""
 
     name: Name
     kind: Literal["ozone"]
     dobson_units: ZeroOrMore
+    cross_section: Literal["bogumil2003", "preetham1999"] = "bogumil2003"
     profile: Profile = Standard(kind="ozone")
+
+
+class NitrogenDioxide(Section):
+    """Nitrogen dioxide, after Vandaele et al. (1998): of the stratosphere, unless told otherwise.
+
+    The profile's peak is rounded from the AFGL U.S. Standard Atmosphere (Anderson et al. 1986).
+    """
+
+    name: Name
+    kind: Literal["nitrogen_dioxide"]
+    dobson_units: ZeroOrMore | None = None
+    column_per_m2: ZeroOrMore | None = None
+    temperature_K: Annotated[Number, Field(ge=220, le=294)] = 220.0
+    profile: Profile = Tent(kind="tent", bottom_m=12e3, peak_m=25e3, top_m=40e3)
+
+    @model_validator(mode="after")
+    def _complete(self) -> "NitrogenDioxide":
+        self.exactly_one_of("dobson_units", "column_per_m2")
+        return self
+
+
+class OxygenDimer(Section):
+    """Pairs of colliding oxygen molecules, after Thalman & Volkamer (2013).
+
+    The profile is that of the air.
+    """
+
+    name: Name
+    kind: Literal["oxygen_dimer"]
+    pressure_ratio: AboveZero = 1.0
+    oxygen_fraction: Share = 0.20946
+    profile: Profile = Standard(kind="us_standard_1976")
 
 
 class Gas(Section):
@@ -132,6 +166,7 @@ class Gas(Section):
     absorption_per_m: Annotated[Any, spectral(0.0, np.inf, "1/m")] | None = None
     absorption_cross_section_m2: Annotated[Any, spectral(0.0, 1e-15, "m2")] | None = None
     reference_wavelength_nm: AboveZero = 550.0
+    depolarisation: Annotated[Any, spectral(0.0, 1.0)] = 0.0
     profile: Profile
 
     @model_validator(mode="after")

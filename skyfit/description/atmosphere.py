@@ -9,8 +9,7 @@ from jaxtyping import ArrayLike
 
 from ..atmosphere import Atmosphere
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
-from .gases import GASES, build_gas, gas_coefficients
-from .profiles import build_profile
+from .gases import GASES, build_gas, gas_coefficients, gas_profile
 from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
 from .sweep import OBSERVER_ALTITUDE, Sweep, replaced
 
@@ -91,7 +90,7 @@ def _surroundings(gases: list[Part], top: float) -> Surroundings:
     depth = extinction = 0.0
     for part in gases:
         found = gas_coefficients(part, np.array([VISIBLE_AT]), top)
-        density = build_profile(part["profile"])
+        density = gas_profile(part)
         depth += float(found.scattering[0]) * float(density.column(top))
         extinction += float(found.scattering[0] + found.absorption[0]) * float(density(0.0))
     return Surroundings(depth, extinction, top)

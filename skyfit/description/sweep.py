@@ -68,7 +68,9 @@ def number_at(description: Part, key: str) -> float:
     holder, word = _holder(description, key)
     value = holder.get(word)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        numbers = [k for k, v in holder.items() if isinstance(v, int | float) and v is not True]
+        numbers = [
+            k for k, v in holder.items() if isinstance(v, int | float) and not isinstance(v, bool)
+        ]
         raise ValueError(
             f"expected the key of a number; {key} is none, but {', '.join(numbers) or 'nothing'} is"
         )
