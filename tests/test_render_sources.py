@@ -82,11 +82,6 @@ def test_beside_the_sun_the_phase_function_keeps_its_cusp(from_ground):
     assert ratio < light[1, 1] / light[0, 1] < 1
 
 
-def test_air_without_light_has_no_colour_and_no_nan(from_ground):
-    for constituent in from_ground.atmosphere.constituents:
-        assert (from_ground._phase(constituent, np.zeros((3, 4, 2))) == 0).all()
-
-
 def test_from_space_pixels_are_the_simulations_too(from_space):
     found, light = between(from_space)
     brightest = light.max(axis=(1, 2), keepdims=True)
