@@ -109,6 +109,17 @@ def test_the_suns_glare_is_the_simulations(sun, absorbing):
     assert found[4] < 0.2 * found[0]
 
 
+@pytest.mark.parametrize("sun", SUNS[:3], ids=lambda sun: f"{math.degrees(sun):.0f}deg")
+def test_glare_of_dust_that_changes_with_the_wavelength_has_the_simulations_colour(sun):
+    air = dusty(jnp.array([0.97, 0.95, 0.92]))
+    unit = around(sun, np.radians([0.5, 2.0, 10.0, 40.0]), np.radians([0.0, 45.0, 120.0]))
+    unit = unit[unit[..., 2] > 0]
+    found = SimulatedSource(air, "dust", orders=1, quality="draft").xyz(unit, sun, 0.0)
+    sky = skyfit.simulate(air, sun, *angles_of(unit), orders=1, quality="draft")
+    expected = np.asarray(spectrum_to_xyz(sky.radiance, WAVELENGTHS))
+    assert found == pytest.approx(expected, rel=0.01)
+
+
 @pytest.mark.usefixtures("float32")
 def test_one_order_in_single_precision_leaves_no_noise_to_divide():
     air, sun = dusty(), 0.9

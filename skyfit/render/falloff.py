@@ -39,6 +39,10 @@ class Falloff:
         channels = [np.interp(roots, nodes, column) for column in self._logarithm.T]
         return np.exp(np.stack(channels, axis=-1))
 
+    def __mul__(self, other: "Falloff") -> "Falloff":
+        """The product, angle by angle."""
+        return Falloff(self._logarithm + other._logarithm)
+
 
 def phase_of_light(
     phase: AbstractPhaseFunction,

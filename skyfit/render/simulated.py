@@ -18,7 +18,7 @@ from ..colour import xyz_weights
 from ..transfer.simulate_sky import simulate
 from .cameras import direction_of
 from .dome_table import DomeTable, Zone, spokes
-from .falloff import Falloff, beside_the_sun, glow, phase_of_light
+from .falloff import GLOW_ENDS, Falloff, beside_the_sun, crowding, glow, phase_of_light
 from .sources import AbstractSource, horizon_of, sun_through
 
 
@@ -132,10 +132,10 @@ class SimulatedSource(AbstractSource):
         chord = np.linalg.norm(direction_of(view, azimuth) - direction_of(sun_zenith, 0.0), axis=-1)
         gamma = 2 * np.arcsin(np.minimum(chord / 2, 1))
         whole = self._light(self.atmosphere, self.orders, sun_zenith, view, azimuth)
-        scattered = self._first_orders(sun_zenith, view, azimuth)
+        risen = len(view) > len(zones)
+        scattered = self._first_orders(sun_zenith, view, azimuth, risen)
         rest = whole - sum(alone for alone, _ in scattered)
         self._refuse_negative(rest @ self._weights[:, 1], whole @ self._weights[:, 1])
-        risen = len(view) > len(zones)
         around = glow(rest[-1, :, 0] @ self._weights) if risen else None
         least = _NOTHING * np.finfo(whole.dtype).eps * whole.max()
         found = []
@@ -151,15 +151,24 @@ class SimulatedSource(AbstractSource):
         return found
 
     def _first_orders(
-        self, sun_zenith: float, view: np.ndarray, azimuth: np.ndarray
+        self, sun_zenith: float, view: np.ndarray, azimuth: np.ndarray, risen: bool
     ) -> list[tuple[np.ndarray, Falloff]]:
-        """Of each constituent that scatters: its light, and its phase function in X, Y and Z."""
+        """Of each constituent that scatters: its light, and its phase function in X, Y and Z.
+
+        Where that depends on the wavelength light has another spectrum beside the sun than
+        elsewhere, and another phase function: a glow makes up for it.
+        """
         found = []
         for number, constituent in enumerate(self.atmosphere.constituents):
             if np.any(np.asarray(constituent.scattering)):
                 alone = self._light(only(self.atmosphere, number), 1, sun_zenith, view, azimuth)
                 spectrum = alone.mean(axis=(0, 1, 2))
-                found.append((alone, phase_of_light(constituent.phase, spectrum, self._weights)))
+                phase = phase_of_light(constituent.phase, spectrum, self._weights)
+                if risen and not constituent.phase.is_grey:
+                    beside = alone[-1, :, 0] @ self._weights
+                    around = glow(beside / phase(crowding(len(beside), GLOW_ENDS)))
+                    phase = phase if around is None else phase * around
+                found.append((alone, phase))
         return found
 
     def _refuse_negative(self, rest: np.ndarray, whole: np.ndarray) -> None:
