@@ -1,8 +1,8 @@
 """Smooth functions of direction, kept on a few rings and spokes and read in between.
 
 One zone of the sphere lies between the vertical (zenith or nadir) and a horizon, or between two
-circles around the vertical. Rings crowd towards a zone's edges, where skies change fastest; the
-azimuth runs from the sun's to its opposite, about which a sky is its own mirror image.
+circles around the vertical. Rings crowd towards a zone's edges, where skies change fastest; spokes
+towards the sun, from its azimuth to the opposite, about which a sky is its own mirror image.
 """
 
 from typing import NamedTuple
@@ -49,8 +49,13 @@ class Zone(NamedTuple):
 
 
 def spokes(count: int) -> Float[np.ndarray, " spoke"]:
-    """Azimuths from the sun's to its opposite [rad]."""
-    return np.linspace(0, np.pi, count)
+    """Azimuths from the sun's to its opposite, dense towards the sun's [rad]."""
+    return np.pi * (1 - np.cos(np.linspace(0, np.pi / 2, count)))
+
+
+def turn(azimuth: Float[np.ndarray, " ray"]) -> Float[np.ndarray, " ray"]:
+    """Inverse of `spokes` for azimuths from 0 to π: 0 at the sun's, 1 at its opposite."""
+    return np.arccos(1 - azimuth / np.pi) * 2 / np.pi
 
 
 class DomeTable:
@@ -68,8 +73,10 @@ class DomeTable:
         self.zone = zone
         self.rings, self.spokes = values.shape
         self.before = min(_BEYOND, self.rings - 1) if zone.open else 0
-        # Across the vertical a ring continues on the opposite side.
-        beyond = values[self.before : 0 : -1, ::-1]
+        # Across the vertical a ring continues on the opposite side, between the spokes there.
+        opposite = turn(np.pi - spokes(self.spokes)) * (self.spokes - 1)
+        place = np.meshgrid(np.arange(self.before, 0, -1), opposite, indexing="ij")
+        beyond = map_coordinates(values, place, order=3, mode="mirror")
         self.table = spline_filter(np.concatenate([beyond, values]), order=3, mode="mirror")
 
     def __call__(
@@ -78,5 +85,5 @@ class DomeTable:
         """Values at zenith angles within the zone and azimuths from the sun's [rad]."""
         folded = np.abs((azimuth + np.pi) % (2 * np.pi) - np.pi)
         row = self.zone.place(zenith) * (self.rings - 1) + self.before
-        column = folded / np.pi * (self.spokes - 1)
+        column = turn(folded) * (self.spokes - 1)
         return map_coordinates(self.table, [row, column], order=3, mode="mirror", prefilter=False)

@@ -71,7 +71,7 @@ class FrameStore:
             self._refuse_another(record)
 
     def load(self, number: int) -> Frame | None:
-        """A frame by its number from 0; None if it is still to be rendered."""
+        """A frame by its number from 0; None if it is still to be rendered, or not finite."""
         file = self._file(number)
         if not file.is_file():
             return None
@@ -80,6 +80,8 @@ class FrameStore:
         if seal != self._seal(number, body):
             return None
         rgb = np.frombuffer(body, "<f4", offset=8).reshape(*self._shape, 3)
+        if not np.isfinite(rgb).all():
+            return None
         return Frame(rgb, float(np.frombuffer(body, "<f8", count=1)[0]))
 
     def keep(self, number: int, frame: Frame) -> None:

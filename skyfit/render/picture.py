@@ -11,6 +11,7 @@ from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
 from .cameras import AbstractCamera, Panorama, direction_of
 from .files import check_target, write_exr, write_hdr, write_png
+from .light_check import refuse_black_day, refuse_impossible_light
 from .sources import AbstractSource
 from .sun_disc import disc_cover
 from .tone import automatic_exposure, display, into_gamut
@@ -26,6 +27,9 @@ class Picture:
         weight: Solid angle of each pixel without the sun's disc, for exposure [sr].
         camera: How it was projected.
         description: What is seen, in a line.
+
+    Raises:
+        ValueError: Light is not finite, or a luminance is negative by more than rounding.
     """
 
     rgb: Float[np.ndarray, "row column 3"]
@@ -33,6 +37,10 @@ class Picture:
     weight: Float[np.ndarray, "row column"]
     camera: AbstractCamera
     description: str
+
+    def __post_init__(self):
+        """Refuse light that cannot be."""
+        refuse_impossible_light(self.rgb, self.weight, self.description)
 
     def exposure(self) -> float:
         """Exposure value that suits it; the sun's disc does not count."""
@@ -122,7 +130,8 @@ def render(
         The picture, in absolute luminance.
 
     Raises:
-        ValueError: An angle out of its range; a sun whose dimming is unknown.
+        ValueError: An angle out of its range; a sun whose dimming is unknown; light that is not
+            finite, or negative by more than rounding; a black sky under a risen sun.
     """
     if not 0 <= sun_zenith <= np.pi:
         raise ValueError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
@@ -145,12 +154,16 @@ def render(
         row, column, share = disc_cover(camera, toward, source.horizon())
         light[row, column] += share[:, None] * sun
         weight[row, column] = 0.0
-    rgb = light @ srgb_matrix().T.astype(np.float32)
+    with np.errstate(invalid="ignore"):  # infinite light is refused below
+        rgb = light @ srgb_matrix().T.astype(np.float32)
     rgb = np.where(rays.inside[..., None], rgb, np.float32(0))
     places = (
         f"sun zenith {np.degrees(sun_zenith):.4g} deg, azimuth {np.degrees(sun_azimuth):.4g} deg"
     )
-    return Picture(rgb, rays.inside, weight, camera, f"{source.name}; {places}; linear sRGB")
+    text = f"{source.name}; {places}; linear sRGB"
+    picture = Picture(rgb, rays.inside, weight, camera, text)
+    refuse_black_day(source, sun_zenith, rgb, (weight > 0) & (rays.direction[..., 2] > 0))
+    return picture
 
 
 def ground_xyz(

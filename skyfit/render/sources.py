@@ -48,6 +48,10 @@ class AbstractSource(abc.ABC):
             ValueError: It is not known what dims the sun of this source.
         """
 
+    def is_day(self, sun_zenith: float) -> bool:
+        """Whether some of what is above the horizontal must be bright under a sun [rad]."""
+        return bool(sun_zenith < np.pi / 2)
+
     def horizon(self) -> float:
         """Sine of the horizon's elevation."""
         return 0.0

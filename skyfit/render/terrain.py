@@ -17,6 +17,7 @@ from .cameras import Perspective, direction_of
 from .elevation import Elevation
 from .horizon_scan import Scan, meet, scan
 from .land_light import harmonics9, sky_view, slope_irradiance, sun_share
+from .light_check import refuse_black_day
 from .picture import Picture, ground_xyz, horizontal_irradiance
 from .shafts import Shadow, cast_shadow, lost_light
 from .sources import AbstractSource
@@ -86,7 +87,8 @@ def render_terrain(
         The picture, in absolute luminance.
 
     Raises:
-        ValueError: An albedo or a number of samples that cannot be; shafts without such an air.
+        ValueError: An albedo or a number of samples that cannot be; shafts without such an air;
+            light that is not finite, or negative by more than rounding; a black sky by day.
     """
     side = round(samples**0.5)
     if samples < 1 or side**2 != samples:
@@ -123,7 +125,8 @@ def render_terrain(
         light, sky = np.array(light), np.asarray(sky)
         if sky.any():
             xyz = source.xyz(direction[sky], sun_zenith, sun_azimuth)
-            light[sky] *= (np.asarray(xyz) @ srgb_matrix().T).astype(np.float32)
+            with np.errstate(invalid="ignore"):  # infinite light is refused below
+                light[sky] *= (np.asarray(xyz) @ srgb_matrix().T).astype(np.float32)
         total += light
         open_sky += sky
         if progress is not None:
@@ -136,7 +139,10 @@ def render_terrain(
         rgb[y, x] += ((share * clear)[:, None] * (srgb_matrix() @ sun)).astype(np.float32)
         solid_angle[y, x] = 0.0
     text = f"{source.name}; land of albedo {albedo:g}; sun zenith {np.degrees(sun_zenith):.4g} deg"
-    return Picture(rgb, np.ones((rows, columns), bool), solid_angle, camera, text)
+    picture = Picture(rgb, np.ones((rows, columns), bool), solid_angle, camera, text)
+    sky = open_sky.reshape(rows, columns) == samples
+    refuse_black_day(source, sun_zenith, rgb, sky & (solid_angle > 0))
+    return picture
 
 
 def _light(source, elevation, sun_zenith, sun_azimuth, sun, albedo) -> _Lit:
@@ -145,7 +151,8 @@ def _light(source, elevation, sun_zenith, sun_azimuth, sun, albedo) -> _Lit:
     by_slope = slope_irradiance(source, sun_zenith, sun_azimuth, around)
     # Scaled so that level land has exactly the sky's irradiance.
     level = by_slope.T @ np.asarray(harmonics9(jnp.asarray([0.0, 0.0, 1.0])))
-    by_slope = by_slope * (horizontal_irradiance(source, sun_zenith, sun_azimuth) / level)
+    wanted = horizontal_irradiance(source, sun_zenith, sun_azimuth)
+    by_slope = by_slope * (wanted / np.where(level == 0, 1.0, level))
     direct = np.zeros(3) if sun is None else sun * SUN_SOLID_ANGLE
     shares = jnp.stack([sun_share(elevation, sun_zenith, sun_azimuth), sky_view(elevation)], -1)
     table = jnp.concatenate([elevation.slopes(), shares], axis=-1)

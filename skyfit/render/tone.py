@@ -38,12 +38,17 @@ def automatic_exposure(rgb: Float[np.ndarray, "*shape 3"], weight: np.ndarray) -
     Source: Reinhard, Stark, Shirley & Ferwerda (2002), "Photographic tone reproduction for digital
     images", equation 1, with the key of a bright scene.
     """
-    light = rgb @ np.asarray(_LUMINANCE, rgb.dtype)
+    light = luminance(rgb)
     lit = (light > 0) & (weight > 0)
     if not lit.any():
         return 0.0
     mean = float(np.average(np.log(light[lit], dtype=float), weights=weight[lit]))
     return math.log2(math.exp(mean) / _KEY / 1.2)
+
+
+def luminance(rgb: Float[np.ndarray, "*shape 3"]) -> Float[np.ndarray, "*shape"]:
+    """Luminance [cd m⁻²] of linear sRGB, (1, 1, 1) being white of 1 cd m⁻²."""
+    return rgb @ np.asarray(_LUMINANCE, rgb.dtype)
 
 
 class Displayed(NamedTuple):
