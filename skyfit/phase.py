@@ -8,6 +8,7 @@ forward, and answers in the same shape; with a wavelength axis last if it depend
 import abc
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -270,7 +271,7 @@ class Tabulated(AbstractPhaseFunction):
 
     def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree, by Gauss quadrature between the table's angles."""
-        theta, weight = panel_nodes(self.angle, nodes_per_panel=max(12, degree))
+        theta, weight = panel_nodes(self.angle, nodes_per_panel=12 + 4 * degree // self.angle.size)
         polynomials = legendre_polynomials(degree, jnp.cos(theta))
         weighted = (2 * np.pi * weight * jnp.sin(theta))[:, None] * self.spectral(jnp.cos(theta))
         return polynomials @ weighted
@@ -280,10 +281,14 @@ def legendre_polynomials(
     degree: int, x: Float[Array, " point"]
 ) -> Float[Array, "{degree}+1 point"]:
     """Legendre polynomials P₀…P_degree at points in [-1, 1], by the three-term recurrence."""
-    rows = [jnp.ones_like(x), x]
-    for n in range(1, degree):
-        rows.append(((2 * n + 1) * x * rows[n] - n * rows[n - 1]) / (n + 1))
-    return jnp.stack(rows[: degree + 1])
+
+    def step(carry, n):
+        before, here = carry
+        after = ((2 * n + 1) * x * here - n * before) / (n + 1)
+        return (here, after), here
+
+    start = (jnp.zeros_like(x), jnp.ones_like(x))
+    return jax.lax.scan(step, start, jnp.arange(degree + 1, dtype=x.dtype))[1]
 
 
 def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "{degree}+1 wavelength"]:

@@ -12,13 +12,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from .._typing import Scalar
 from .columns import SunColumns
 from .fan import make_fan
 from .geometry import Flat, SunDirection
 from .harmonics import legendre
 from .medium import Medium
 from .paths import sample
-from .quadrature import gauss, safe_sqrt
+from .quadrature import gauss, lagrange_weights, safe_sqrt
 from .quality import Directions, Quality
 from .single import along_path, dimming, from_ground
 
@@ -35,6 +36,7 @@ class Grid(eqx.Module):
         level: Their coordinate, almost evenly from 0 to 1; see `Medium`.
         stencils: Levels between which light is interpolated, between each level and the next.
         sun_zenith: Of the suns, increasing [rad].
+        dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
         weight: Of each direction; over a level and 2π of azimuth they sum to 4π.
         cos_azimuth: Azimuths in half a turn, equally weighted.
@@ -44,6 +46,7 @@ class Grid(eqx.Module):
     level: Float[Array, " level"]
     stencils: Bool[Array, "interval level"]
     sun_zenith: Float[Array, " sun"]
+    dusk: Scalar
     mu: Float[Array, "level ray"]
     weight: Float[Array, "level ray"]
     cos_azimuth: Float[Array, " azimuth"]
@@ -61,6 +64,20 @@ class Grid(eqx.Module):
         others = used[:, None, :] & ~itself[None]
         weights = jnp.prod(jnp.where(others, factors, 1.0), axis=-1)
         return jnp.where(used, weights, 0.0)
+
+    def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
+        """Weights of the suns for a sun at other zenith angles [rad].
+
+        Interpolated is light over its usual fall after sunset, over which it changes by decades.
+        """
+        weights = lagrange_weights(self.sun_zenith, zenith)
+        return weights * jnp.exp(self._fall(self.sun_zenith) - self._fall(zenith)[..., None])
+
+    def _fall(self, zenith):
+        """Logarithm of how much darker it is than by day: the shadow's height over `dusk` [m]."""
+        down = jnp.maximum(jnp.minimum(zenith, np.pi) - np.pi / 2, 0.0)
+        turn = np.radians(7.0)  # from there on light of higher orders holds on
+        return self.dusk * jnp.where(down < turn, down**2 / 2, turn * (down - turn / 2))
 
     def sun_from(self) -> SunDirection:
         """Directions of the suns in the frame of each azimuth; [azimuth, sun]."""
@@ -114,7 +131,10 @@ def make_grid(
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
-    return Grid(altitude, medium.level_at(altitude), _stencils(kinked), sun_zenith, mu, 2 * np.pi * weight, cos_azimuth)
+    return Grid(
+        altitude, medium.level_at(altitude), _stencils(kinked), sun_zenith, medium.dusk(), mu,
+        2 * np.pi * weight, cos_azimuth,
+    )  # fmt: skip
 
 
 def _levels(
@@ -162,6 +182,7 @@ def project(
     """Moments of the light at one level, and its downward irradiance.
 
     Args:
+        dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions.
         weight: Of each.
         by_mode: Mean over azimuth of cos(mφ) L.
@@ -190,8 +211,13 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         grid.sun_zenith[None, :], jnp.asarray(cos_nodes, grid.mu.dtype)[:, None]
     )
     suns = SunDirection.from_angles(zenith, cosine)
-    middle = SunDirection.from_angles(
-        grid.sun_zenith[grid.sun_zenith.size // 2], jnp.zeros_like(grid.sun_zenith[0])
+    # Nodes on a ray serve all suns: where light changes under any of these.
+    count = grid.sun_zenith.size
+    telling = [count // 2] if count < 9 else range(1, count, 3)
+    around = [0.0] if count < 9 else [1.0, -1.0]
+    shades = SunDirection.from_angles(
+        jnp.repeat(grid.sun_zenith[np.array(telling)], len(around)),
+        jnp.tile(jnp.asarray(around, grid.mu.dtype), len(telling)),
     )
     optics = medium.optics
     sun_up, sun_sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
@@ -201,7 +227,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         fan = make_fan(medium, altitude, mu, directions)
 
         def along(ray, leg, start, offset):
-            shade = dimming(columns, ray, middle)
+            shade = dimming(columns, ray, shades)
             path = sample(medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade)
             return along_path(columns, ray, leg, path, offset, suns, orders=1)[0]
 

@@ -5,13 +5,14 @@ thousand times larger with a coefficient a thousand times smaller is the same me
 """
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._typing import Scalar
 from ..atmosphere import Atmosphere
-from .geometry import AbstractPlanet
+from .geometry import AbstractPlanet, Spherical
 from .optics import Optics
 from .quadrature import gauss
 
@@ -77,6 +78,17 @@ class Medium(eqx.Module):
         depth = self.above_altitude(altitude) @ self.telling.T
         share = altitude / self.planet.top
         return _mixed(share, depth, self.above[0] @ self.telling.T) / self.coordinate_scale
+
+    def dusk(self) -> Scalar:
+        """Radius of the planet over the mean altitude of what scatters highest; 0 for a plane."""
+        if not isinstance(self.planet, Spherical):
+            return jnp.zeros_like(self.planet.top)
+        middle = 0.5 * (self.edges[1:] + self.edges[:-1])
+        column = self.above[:-1] - self.above[1:]
+        mean = (middle @ column) / jnp.maximum(self.above[0], 1e-30)
+        scatters = (jnp.max(self.optics.scattering, axis=1) > 0) & (self.above[0] > 0)
+        highest = jnp.max(jnp.where(scatters, mean, 0.0))
+        return jax.lax.stop_gradient(self.planet.radius / jnp.maximum(highest, 1e3))
 
     def sight(self) -> Scalar:
         """Distance past which nothing is seen: 2000 optical depths where it is densest [m].

@@ -13,13 +13,13 @@ from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from .fan import make_fan
+from .columns import SunColumns
 from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
 from .optics import Optics
 from .paths import Kind, Leg, both_legs, rising_leg, sample
-from .quadrature import lagrange_weights
 from .quality import Quality
 
 
@@ -34,6 +34,10 @@ class Source(eqx.Module):
     scattered: tuple[Float[Array, "level _m _l sun wavelength"], ...]
     ground: Float[Array, "sun wavelength"]
 
+    def plus(self, other: "Source") -> "Source":
+        """Both together; of one shape."""
+        return jax.tree.map(jnp.add, self, other)
+
 
 def scatter(optics: Optics, field: Field) -> Source:
     """Let a field be scattered once more, and reflected by the ground."""
@@ -47,6 +51,22 @@ def scatter(optics: Optics, field: Field) -> Source:
         sources.append(strength * field.moments[:, : top + 1, : top + 1])
     ground = optics.ground_albedo[None, :] / np.pi * field.irradiance
     return Source(tuple(sources), ground)
+
+
+def straight_beam(columns: SunColumns, grid: Grid, field: Field, times: int) -> Field:
+    """Sunlight that went straight on, by forward peaks, so many times; shaped as another field."""
+    medium, optics = columns.medium, columns.medium.optics
+    up, sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
+    column, lit = columns(grid.altitude[:, None], up[None, :])
+    depth = column @ optics.straight
+    share = jnp.exp(-column @ optics.extinction)
+    for count in range(1, times + 1):
+        share = share * depth / count
+    share = jnp.where(lit[..., None], share, 0.0)
+    modes, degrees = field.moments.shape[1:3]
+    shape = legendre(degrees - 1, modes - 1, up, sine)
+    ground = jnp.maximum(up, 0.0)[:, None] * share[0]
+    return Field(jnp.einsum("mls,ksw->kmlsw", shape, share), ground)
 
 
 def send(
@@ -104,7 +124,7 @@ def send(
     distance = leg.from_eye(medium.planet.to_level(leg.altitude, leg.mu, grid.altitude))
     there = turn(sun, ray, distance)
     modes = cosines(order, there.cos_azimuth())
-    between = lagrange_weights(grid.sun_zenith, there.zenith())
+    between = grid.between_suns(there.zenith())
     return jnp.einsum("m...k,...ks,kmsw->...w", modes, between, sent, optimize="optimal")
 
 
@@ -144,9 +164,8 @@ def gather(
     return jnp.sum(light, axis=0)
 
 
-def next_field(medium: Medium, grid: Grid, field: Field, quality: Quality) -> Field:
-    """The field of the next order, at every level and sun."""
-    source = scatter(medium.optics, field)
+def next_field(medium: Medium, grid: Grid, source: Source, quality: Quality) -> Field:
+    """The field that a source makes, at every level and sun."""
     suns = grid.sun_from()
     modes = cosines(quality.higher.modes, grid.cos_azimuth) / grid.cos_azimuth.size
 

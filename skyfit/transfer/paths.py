@@ -175,7 +175,7 @@ def sample(
         start: Nearer to the lowest point [m].
         end: Farther from it [m].
         panels: How many.
-        dimming: Optical depth [edge, few] towards what shines, at the medium's telling
+        dimming: Optical depth [edge, sun, few] towards each of what shines, at the medium's telling
             wavelengths, given the altitudes [m] of points and their distances from the eye [m].
     """
     span = end - start
@@ -236,7 +236,8 @@ def _importance(medium, leg, at, column, even, dimming):
     light = jnp.exp(-depth)
     changes.append(_EYE * jnp.diff(jnp.exp(-_FADE * depth), axis=0))
     if dimming is not None:
-        total = depth + dimming(altitude, leg.from_eye(at))
+        total = depth[:, None] + dimming(altitude, leg.from_eye(at))
+        total = total.reshape(at.size, -1)
         total = total - jax.lax.stop_gradient(jnp.min(total, axis=0))
         light = jnp.exp(-total)
         changes.append(_SUN * jnp.diff(jnp.exp(-_FADE * total), axis=0))

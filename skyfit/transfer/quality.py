@@ -37,6 +37,7 @@ class Quality(NamedTuple):
         sun_azimuths: Azimuths at which the first order is integrated along a ray.
         sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree]; more
             are kept under a low sun.
+        sharpest: Highest degree of Legendre polynomials in which forward peaks are known.
         tolerance: Of the sum of all orders, relative.
     """
 
@@ -50,14 +51,24 @@ class Quality(NamedTuple):
     higher: Directions
     sun_azimuths: int
     sun_offsets_deg: tuple[float, ...]
+    sharpest: int
     tolerance: float
+
+    def at_dusk(self) -> "Quality":
+        """Finer where the shadow's edge and decades of brightness are in sight."""
+        return self._replace(
+            view_panels=self.view_panels * 3 // 2,
+            levels=2 * self.levels - 4,
+            field_panels=2 * self.field_panels + 2,
+            sun_azimuths=3 * self.sun_azimuths,
+        )
 
 
 # Where the field changes fast along a line of sight at least so many suns are kept, whatever the
 # quality: seen from the ground, under a sun up to 4° above the horizon (the second order is within
 # 0.3 % of that with seventeen suns); and wherever the sun has set or is not known before compiling.
 LOW_SUN_OFFSETS_DEG = (-4.0, -1.5, 0.0, 1.5, 4.0)
-TWILIGHT_OFFSETS_DEG = (-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0)
+TWILIGHT_OFFSETS_DEG = tuple(1.5 * k for k in range(-6, 7))
 # From high up one sees air and ground under suns of their own.
 ALL_SUNS_DEG = (
     *(0.0, 12.0, 24.0, 36.0, 47.0, 57.0, 65.0, 71.0, 76.0, 80.0, 83.0, 85.0, 87.0, 88.5, 90.0),
@@ -72,10 +83,11 @@ QUALITIES = {
         levels=10,
         field_panels=3,
         field_kinks=2,
-        first=Directions(up=10, limb=3, down=4, azimuths=16, degree=14, modes=12),
-        higher=Directions(up=8, limb=2, down=4, azimuths=8, degree=8, modes=6),
+        first=Directions(up=10, limb=3, down=4, azimuths=1, degree=12, modes=12),
+        higher=Directions(up=8, limb=2, down=4, azimuths=9, degree=8, modes=8),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
+        sharpest=64,
         tolerance=1e-5,
     ),
     "default": Quality(
@@ -85,10 +97,11 @@ QUALITIES = {
         levels=16,
         field_panels=3,
         field_kinks=3,
-        first=Directions(up=18, limb=4, down=10, azimuths=28, degree=26, modes=16),
-        higher=Directions(up=10, limb=3, down=6, azimuths=12, degree=18, modes=10),
+        first=Directions(up=18, limb=4, down=10, azimuths=1, degree=20, modes=20),
+        higher=Directions(up=10, limb=3, down=6, azimuths=16, degree=16, modes=14),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
+        sharpest=96,
         tolerance=1e-6,
     ),
     "high": Quality(
@@ -98,10 +111,11 @@ QUALITIES = {
         levels=28,
         field_panels=8,
         field_kinks=6,
-        first=Directions(up=28, limb=6, down=10, azimuths=48, degree=44, modes=32),
-        higher=Directions(up=18, limb=4, down=10, azimuths=18, degree=30, modes=16),
+        first=Directions(up=28, limb=6, down=12, azimuths=1, degree=36, modes=36),
+        higher=Directions(up=18, limb=4, down=10, azimuths=28, degree=28, modes=26),
         sun_azimuths=4,
         sun_offsets_deg=(-8.0, -3.0, -1.0, 0.0, 1.0, 3.0, 8.0),
+        sharpest=160,
         tolerance=1e-7,
     ),
 }

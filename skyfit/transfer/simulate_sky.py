@@ -17,7 +17,7 @@ from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
 from .optics import Optics
-from .orders import gather, next_field, scatter
+from .orders import gather, next_field, scatter, straight_beam
 from .paths import Kind
 from .quality import (
     ALL_SUNS_DEG,
@@ -111,6 +111,8 @@ def simulate(
     suns: Suns = "all"
     if _known(altitude, lambda h: h <= HIGH_UP):
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
+    if suns in ("twilight", "all") and geometry != "flat":
+        sizes = sizes.at_dusk()
     by_order, total = _simulate(
         _widened(atmosphere), views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
@@ -149,9 +151,10 @@ def _simulate(
     """Orders one by one, and all that were asked for together; for every sun in turn."""
     radius, top = atmosphere.planet_radius, atmosphere.top_altitude
     planet = Flat(top) if flat else Spherical(radius, top)
-    exact = Optics.cut(atmosphere, quality.first.degree)
+    exact = Optics.cut(atmosphere, quality.first.degree, quality.sharpest)
     # All orders are summed where what goes straight on counts as not scattered.
-    optics = exact.beside(exact.scaled()) if count is None else exact
+    rough = Optics.cut(atmosphere, quality.higher.degree, quality.sharpest).scaled()
+    optics = exact.beside(rough.up_to(quality.first.degree)) if count is None else exact
     medium = make_medium(atmosphere, planet, optics)
     columns = sun_columns(medium, quality.column_angles)
     width = atmosphere.wavelengths.size
@@ -162,15 +165,11 @@ def _simulate(
         if count == 1:
             return first[None], first[None]
         nodes = _suns(view.sun, suns, flat, quality)
-        # In twilight light comes from air high up, which is even less like that below.
-        levels = quality.levels if suns in ("near", "low") else 2 * quality.levels - 4
-        grid = make_grid(medium, nodes, levels, quality.first)
-        higher = make_grid(medium, nodes, levels, quality.higher)
+        grid = make_grid(medium, nodes, quality.levels, quality.first)
+        higher = make_grid(medium, nodes, quality.levels, quality.higher)
         field = first_field(columns, grid, quality)
 
-        def look(field):
-            source = scatter(optics, field)
-
+        def look(source):
             def along(ray, sun, meets):
                 light = gather(
                     medium, grid, source, ray, sun, kind=kind,
@@ -181,27 +180,30 @@ def _simulate(
             return jax.vmap(along)(*eyes)
 
         if count is None:
-            scaled = eqx.tree_at(lambda m: m.optics, medium, exact.scaled())
+            scaled = eqx.tree_at(lambda m: m.optics, medium, rough)
             once = jax.tree.map(lambda a: a[..., width:], field)
 
             def further(field):
-                return next_field(scaled, higher, field, quality)
+                return next_field(scaled, higher, scatter(rough, field), quality)
 
             more = sum_of_orders(further, once.up_to(quality.higher), quality.tolerance)
-            light = look(field.plus(more, width))
+            light = look(scatter(optics, field.plus(more, width)))
             second = light[..., :width] + again[..., :width]
             total = first[..., width:] + light[..., width:]
             return jnp.stack([first[..., :width], second]), total[None]
 
-        def step(field, _):
-            field = next_field(medium, higher, field, quality)
-            return field, look(field)
-
-        second = look(field) + again
-        orders = jnp.stack([first, second])
-        if count > 2:
-            _, later = jax.lax.scan(step, field.up_to(quality.higher), length=count - 2)
-            orders = jnp.concatenate([orders, later])
+        second = look(scatter(optics, field)) + again
+        orders = [first, second]
+        # Light once scattered has no peaks any more: of what it meets nothing need be cut off.
+        whole = exact.whole()
+        field = field.up_to(quality.higher)
+        for times in range(1, count - 1):
+            beam = straight_beam(columns, grid, field, times)
+            source = scatter(whole, field).plus(scatter(exact, beam))
+            field = next_field(medium, higher, source, quality)
+            beam = straight_beam(columns, grid, field, times + 1)
+            orders.append(look(scatter(whole, field).plus(scatter(exact, beam))))
+        orders = jnp.stack(orders)
         return orders, jnp.sum(orders, axis=0, keepdims=True)
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength] both
@@ -251,7 +253,7 @@ def _first(
 ) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"]]:
     """The first order along every line of sight; and of the second what went straight on once."""
     cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
-    optics = medium.optics
+    optics, width = medium.optics, medium.atmosphere.wavelengths.size
 
     def along(ray, suns, meets):
         found = first_order(
@@ -261,13 +263,30 @@ def _first(
         return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found)
 
     strength, light = jax.vmap(along)(*eyes)
+    first, again = light[:, :, 0], light[:, :, 1]
     for number, one in enumerate(medium.atmosphere.constituents):
         phase = one.phase.spectral(cos_gamma)
+        scattering = optics.scattering[number]
         if phase.shape[-1] > 1:
-            phase = jnp.concatenate([phase] * (optics.scattering.shape[1] // phase.shape[-1]), -1)
-        scattered = (phase * optics.scattering[number])[:, :, None]
-        light = light + scattered * strength[:, :, :, number]
-    return light[:, :, 0], light[:, :, 1]
+            phase = jnp.concatenate([phase] * (scattering.size // phase.shape[-1]), -1)
+        once, twice = strength[:, :, 0, number], strength[:, :, 1, number]
+        first = first + scattering * phase * once
+        if not optics.endless[number]:
+            again = again + scattering * phase * twice
+            continue
+        blurred = optics.blurred(number, cos_gamma)
+        again = again + scattering * (phase + blurred) * twice
+        # Light of all orders; the more of it goes straight on, the less is left to correct.
+        depth = twice / jnp.where(once > 0, once, 1.0)
+        first = first.at[..., width:].add((scattering * blurred * twice * _fewer(depth))[..., width:])
+    return first, again
+
+
+def _fewer(x: Float[Array, "*b"]) -> Float[Array, "*b"]:
+    """2 (x - 1 + e^{-x}) / x²: 1 at 0, where its series is used."""
+    small = x < 0.05
+    safe = jnp.where(small, 1.0, x)
+    return jnp.where(small, 1 - x / 3 + x**2 / 12, 2 * (safe - 1 + jnp.exp(-safe)) / safe**2)
 
 
 def _choose(near, a, b):

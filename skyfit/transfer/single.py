@@ -35,13 +35,16 @@ def sunlight_at(
     return jnp.exp(-(column @ (columns.medium.optics.extinction + _LEAST))), column
 
 
-def dimming(columns: SunColumns, ray: Ray, sun: SunDirection):
-    """How deep in the shade of the air points of a ray lie; see `sample`."""
+def dimming(columns: SunColumns, ray: Ray, suns: SunDirection):
+    """How deep in the shade of the air points of a ray lie, under each sun; see `sample`."""
 
     def depth(altitude, distance):
-        here = columns.medium.planet.turn_sun(sun, ray, distance)
-        column, lit = columns(altitude, here.up)
-        return jnp.where(lit[:, None], column @ columns.medium.telling.T, _DARK)
+        def under(sun):
+            here = columns.medium.planet.turn_sun(sun, ray, distance)
+            column, lit = columns(altitude, here.up)
+            return jnp.where(lit[:, None], column @ columns.medium.telling.T, _DARK)
+
+        return jax.vmap(under, out_axes=1)(suns)
 
     return depth
 
@@ -132,7 +135,7 @@ def first_order(
 
     def light_of(leg: Leg, start, offset):
         if not split:
-            middle = jax.tree.map(jnp.mean, suns)
+            middle = jax.tree.map(lambda a: jnp.mean(a)[None], suns)
             path = sample(medium, leg, start, leg.length, panels, kinks, dimming(columns, ray, middle))
             light = along_path(columns, ray, leg, path, offset, suns)
             return jnp.moveaxis(light, 2, 0)
@@ -151,8 +154,10 @@ def first_order(
         near = offset + jnp.where(rises, 0.0, outer)
         far = offset + jnp.where(rises, inner, 0.0)
 
+        alone = jax.tree.map(lambda a: a[None], sun)
+
         def light_from(low, high, column):
-            path = sample(medium, leg, low, high, panels, kinks, dimming(columns, ray, sun))
+            path = sample(medium, leg, low, high, panels, kinks, dimming(columns, ray, alone))
             return along_path(columns, ray, leg, path, column, sun)
 
         # Both stretches go through one compiled program.
