@@ -123,7 +123,7 @@ def sky(
         relative_azimuth: 0 toward the sun.
         observer_altitude: [m]; above the top too.
         target: Standard error over total at which to stop.
-        seconds: Time after which to stop in any case.
+        seconds: Time of the processor after which to stop in any case.
         first: Paths of each batch before the first look at the error.
         seed: Of the random numbers.
     """
@@ -148,7 +148,7 @@ def sky(
     order1 = single(tables, eye, ray, to_sun, NODE, WEIGHT)
     randoms = np.random.default_rng(seed).spawn(BATCHES)
     sums, paths, number = np.zeros((BATCHES, 3)), 0, first
-    start = time.monotonic()
+    start = time.process_time()
     while True:
         for batch, rng in enumerate(randoms):
             sums[batch] += walk(tables, eye, ray, to_sun, number, rng)
@@ -156,7 +156,7 @@ def sky(
         mean = sums / paths
         total = order1 + mean.sum(axis=1)
         error = total.std(ddof=1) / np.sqrt(BATCHES)
-        spent = time.monotonic() - start
+        spent = time.process_time() - start
         # Errors of 16 batches are themselves uncertain by a fifth: aim a little lower.
         wanted = (1.1 * error / (target * max(total.mean(), 1e-30))) ** 2
         if wanted <= 1 or spent >= seconds:
