@@ -3,23 +3,7 @@ import numpy as np
 import pytest
 
 from skyfit.transfer.harmonics import cosines, legendre
-from skyfit.transfer.quadrature import (
-    gauss,
-    lagrange_weights,
-    legendre_moments,
-    polynomial_fit,
-    safe_sqrt,
-)
-
-
-def test_product_weights_integrate_a_polynomial_times_a_step():
-    # ∫ s r over [0, 1] with s = x³ at 6 nodes and r a step from 0 to 1 at 0.3: (1 - 0.3⁴) / 4.
-    x, w = gauss(4)
-    fine, weight = 0.3 + 0.7 * x, 0.7 * w
-    moments = legendre_moments(6, jnp.asarray(fine), jnp.asarray(weight)[:, None])[:, 0]
-    nodes, _ = gauss(6)
-    got = nodes**3 @ (polynomial_fit(6) @ np.asarray(moments))
-    np.testing.assert_allclose(got, (1 - 0.3**4) / 4, rtol=1e-13)
+from skyfit.transfer.quadrature import cubic_stencil, lagrange_weights, safe_sqrt
 
 
 def test_interpolation_reproduces_cubics_between_uneven_nodes():
@@ -29,6 +13,14 @@ def test_interpolation_reproduces_cubics_between_uneven_nodes():
     # Four nodes carry a cubic exactly; the weights themselves are rounded to 1e-16.
     np.testing.assert_allclose(weights @ nodes**3, x**3, rtol=1e-12, atol=1e-12)
     assert np.all(np.count_nonzero(weights, axis=-1) <= 4)
+
+
+def test_a_stencil_on_even_nodes_carries_cubics():
+    position = jnp.asarray([0.0, 0.4, 3.7, 8.0, 9.0])
+    first, weights = cubic_stencil(position, 10)
+    values = sum(w * np.asarray(first + k, float) ** 3 for k, w in enumerate(weights))
+    # Cubes up to 729, rounded to 1e-16 of the largest.
+    np.testing.assert_allclose(values, position**3, rtol=1e-12, atol=1e-12)
 
 
 def test_interpolation_holds_the_ends_outside_and_works_with_few_nodes():

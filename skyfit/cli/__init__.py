@@ -2,6 +2,7 @@
 
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -29,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
+    warnings.showwarning = _one_line
     try:
         return commands.main(args=arguments, prog_name="skyfit", standalone_mode=False) or 0
     except click.ClickException as error:
@@ -56,6 +58,11 @@ def commands() -> None:
 
 for command in (simulate, fit, ladder, export, compare, reproduce, render, benchmarks):
     commands.add_command(command)
+
+
+def _one_line(message, category, filename, lineno, file=None, line=None) -> None:
+    """A warning as one line on standard error."""
+    print(f"skyfit: warning: {message}", file=sys.stderr)  # noqa: T201
 
 
 def _is_mistake(error: Exception) -> bool:

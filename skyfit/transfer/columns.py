@@ -34,7 +34,7 @@ class SunColumns(eqx.Module):
     inverse_airmass: Float[Array, "edge angle species"] | None
 
     def __call__(
-        self, altitude: Float[Array, "*b"], mu: Float[Array, "*b"]
+        self, altitude: Float[Array, "*#b"], mu: Float[Array, "*#b"]
     ) -> tuple[Float[Array, "*b species"], Bool[Array, "*b"]]:
         """Columns [m] at altitudes, towards zenith cosines; and whether that is above the horizon.
 

@@ -18,12 +18,14 @@ from .fan import make_fan
 from .geometry import Flat, SunDirection
 from .harmonics import legendre
 from .medium import Medium
-from .paths import sample
+from .nodes import sample
 from .quadrature import gauss, lagrange_weights, safe_sqrt
 from .quality import Directions, Quality
 from .single import along_path, dimming, from_ground
 
 
+_THICK = 1.5  # optical depth between levels
+_SWING = 1.7  # sum of sizes of cubic weights between even nodes, at most
 _KINKS = 4  # of the density that lie on levels
 _WEAK, _STRONG = 0.02, 0.1  # change of optical depth by a kink, over the distance of levels
 
@@ -60,10 +62,15 @@ class Grid(eqx.Module):
         gaps = self.level[:, None] - self.level[None, :]
         itself = jnp.eye(count, dtype=bool)
         gaps = jnp.where(itself, 1.0, gaps)
-        factors = (x - self.level)[:, None, :] / gaps[None]
+        factors = (x - self.level[None])[:, None, :] / gaps[None]
         others = used[:, None, :] & ~itself[None]
-        weights = jnp.prod(jnp.where(others, factors, 1.0), axis=-1)
-        return jnp.where(used, weights, 0.0)
+        weights = jnp.where(used, jnp.prod(jnp.where(others, factors, 1.0), axis=-1), 0.0)
+        # Uneven levels make a cubic swing: there the two neighbours do.
+        places = jnp.arange(count)[None]
+        pair = (places == interval[:, None]) | (places == interval[:, None] + 1)
+        plain = jnp.prod(jnp.where(pair[:, None, :] & ~itself[None], factors, 1.0), axis=-1)
+        swings = jnp.sum(jnp.abs(weights), axis=1, keepdims=True) > _SWING
+        return jnp.where(swings, jnp.where(pair, plain, 0.0), weights)
 
     def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
         """Weights of the suns for a sun at other zenith angles [rad].
@@ -71,7 +78,8 @@ class Grid(eqx.Module):
         Interpolated is light over its usual fall after sunset, over which it changes by decades.
         """
         weights = lagrange_weights(self.sun_zenith, zenith)
-        return weights * jnp.exp(self._fall(self.sun_zenith) - self._fall(zenith)[..., None])
+        suns = self._fall(self.sun_zenith).reshape((1,) * zenith.ndim + (-1,))
+        return weights * jnp.exp(suns - self._fall(zenith)[..., None])
 
     def _fall(self, zenith):
         """Logarithm of how much darker it is than by day: the shadow's height over `dusk` [m]."""
@@ -100,7 +108,6 @@ class Field(eqx.Module):
         """The same without the harmonics beyond what some directions resolve."""
         modes, degree = directions.modes, directions.degree
         return Field(self.moments[:, : modes + 1, : degree + 1], self.irradiance)
-
 
     def plus(self, more: "Field", start: int) -> "Field":
         """The same and a smoother field, whose channels begin at one of these."""
@@ -137,9 +144,7 @@ def make_grid(
     )  # fmt: skip
 
 
-def _levels(
-    medium: Medium, count: int
-) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:
+def _levels(medium: Medium, count: int) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:
     """Altitudes of levels [m], even in the medium's coordinate or on its strongest kinks.
 
     And which of them are kinks across which light is not smooth.
@@ -159,7 +164,13 @@ def _levels(
         altitude = jnp.where(moved, medium.edges[edge], altitude)
         taken, kinked = taken | moved, kinked | (moved & (one > _STRONG))
     order = jnp.argsort(altitude)
-    return altitude[order], kinked[order]
+    altitude, kinked = altitude[order], kinked[order]
+    # Through much air between two levels light falls by more than a cubic follows.
+    depth = jnp.max(-jnp.diff(medium.above_altitude(altitude) @ medium.telling.T, axis=0), axis=1)
+    no = jnp.zeros(1, bool)
+    thick = depth > _THICK
+    kinked = kinked | jnp.concatenate([thick, no]) | jnp.concatenate([no, thick])
+    return altitude, kinked
 
 
 def _stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
@@ -170,7 +181,7 @@ def _stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
     high = jax.lax.cummin(jnp.where(ends, places, kinked.size), reverse=True)[1:]
     first = jnp.clip(places[:-1] - 1, low, jnp.maximum(low, high - 3))
     last = jnp.minimum(first + 3, high)
-    return (places >= first[:, None]) & (places <= last[:, None])
+    return (places[None] >= first[:, None]) & (places[None] <= last[:, None])
 
 
 def project(
@@ -228,7 +239,9 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
 
         def along(ray, leg, start, offset):
             shade = dimming(columns, ray, shades)
-            path = sample(medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade)
+            path = sample(
+                medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade
+            )
             return along_path(columns, ray, leg, path, offset, suns, orders=1)[0]
 
         def ground_along(ray, leg, to_ground):
@@ -259,7 +272,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         for k in range(nodes):
             lit = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
             for number, phase in enumerate(phases):
-                lit = lit.at[: phase.shape[0]].add(phase * strength[k, number])
+                lit = lit.at[: phase.shape[0]].add(phase * strength[k, number][None])
             light = light + _times_cosine(lit, k, order)
         halves = np.where(np.arange(order + 1) > 0, 0.5, 1.0)
         by_mode = light * jnp.asarray(halves, mu.dtype)[:, None, None, None]
@@ -273,7 +286,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
 def _times_cosine(
     series: Float[Array, "mode *batch"], k: int, order: int
 ) -> Float[Array, "{order}+1 *batch"]:
-    """A cosine series times cos(kφ), up to an order: cos m cos k is half cos(m + k) + cos(m - k)."""
+    """A cosine series times cos(kφ), up to an order: by half cos(m + k) + cos(m - k) for each."""
     pad = [(0, 0)] * (series.ndim - 1)
     up = jnp.pad(series, [(k, order), *pad])[: order + 1]
     if k == 0:

@@ -5,7 +5,6 @@ thousand times larger with a coefficient a thousand times smaller is the same me
 """
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -20,7 +19,7 @@ from .quadrature import gauss
 _SHELLS = 40
 _SHELL_GROWTH = 6.0  # shells at (e^{6x} - 1)/(e⁶ - 1) of the top: 24 m to 8.6 km deep under 60 km
 _LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
-# Shares of that coordinate: altitude alone, optical depth, and what dims light from above and below.
+# Shares of that coordinate: altitude alone, optical depth, what dims light from above and below.
 _BY_ALTITUDE, _BY_DEPTH, _BY_DIMMING = 0.5, 0.25, 0.25
 
 
@@ -38,6 +37,7 @@ class Medium(eqx.Module):
         coordinate: At each edge, from 0 to 1; it rises with altitude and with optical depth, so
             that equal steps of it are about equally important.
         coordinate_scale: What it was divided by to end at 1.
+        kink: By how much the slope of extinction jumps at each edge [m⁻²].
     """
 
     atmosphere: Atmosphere
@@ -88,7 +88,7 @@ class Medium(eqx.Module):
         mean = (middle @ column) / jnp.maximum(self.above[0], 1e-30)
         scatters = (jnp.max(self.optics.scattering, axis=1) > 0) & (self.above[0] > 0)
         highest = jnp.max(jnp.where(scatters, mean, 0.0))
-        return jax.lax.stop_gradient(self.planet.radius / jnp.maximum(highest, 1e3))
+        return self.planet.radius / jnp.maximum(highest, 1e3)
 
     def sight(self) -> Scalar:
         """Distance past which nothing is seen: 2000 optical depths where it is densest [m].
@@ -123,14 +123,27 @@ def make_medium(
     none = jnp.zeros_like(column[:1])
     above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
     telling = _telling(optics.extinction, above[0])
-    slope_below = (cubics[:, 1] + 2 * cubics[:, 2] + 3 * cubics[:, 3]) / jnp.where(depth > 0, depth, jnp.inf).T
+    slope_below = (cubics[:, 1] + 2 * cubics[:, 2] + 3 * cubics[:, 3]) / jnp.where(
+        depth > 0, depth, jnp.inf
+    ).T
     slope_above = cubics[:, 1] / jnp.where(depth > 0, depth, jnp.inf).T
     pad = jnp.zeros_like(slope_above[:, :1])
     jump = jnp.concatenate([slope_above, pad], axis=1) - jnp.concatenate([pad, slope_below], axis=1)
-    kink = jnp.mean(jnp.abs(telling @ jump), axis=0)
+    # Elsewhere there is only rounding.
+    is_knot = jnp.any(edges[:, None] == atmosphere.knots()[None, :], axis=1)
+    kink = jnp.where(is_knot, jnp.mean(jnp.abs(telling @ jump), axis=0), 0.0)
     mixed = _mixed(edges / planet.top, above @ telling.T, above[0] @ telling.T)
     return Medium(
-        atmosphere, planet, optics, edges, cubics, above, telling, mixed / mixed[-1], mixed[-1], kink
+        atmosphere,
+        planet,
+        optics,
+        edges,
+        cubics,
+        above,
+        telling,
+        mixed / mixed[-1],
+        mixed[-1],
+        kink,
     )
 
 
@@ -160,6 +173,7 @@ def _mixed(
     """
     growth = float(np.expm1(_LEVEL_GROWTH))
     altitude = jnp.log1p(share * growth) / _LEVEL_GROWTH
+    total = total.reshape((1,) * (depth.ndim - 1) + (-1,))
     below = total - depth
     by_depth = below / jnp.maximum(total, 1.0)
     # Light from above and from below fades by these.

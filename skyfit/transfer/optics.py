@@ -73,11 +73,11 @@ class Optics(eqx.Module):
             straight.append(jnp.broadcast_to(forward, scattering.shape) * scattering)
             some = forward > 1e-12
             rest = jnp.where(jnp.arange(sharpest + 1)[:, None] > degree, chi, forward[None])
-            twice = rest**2 / (2 * jnp.where(some, forward, 1.0)) - rest
+            twice = rest**2 / (2 * jnp.where(some, forward, 1.0)[None]) - rest
             # A smooth end of the series, in place of ripples.
             x = np.clip(3 * np.arange(sharpest + 1) / sharpest - 2, 0, 1)
             taper = jnp.asarray(np.cos(np.pi / 2 * x) ** 2, chi.dtype)[:, None]
-            wide = jnp.where(some, twice, 0.0) * taper
+            wide = jnp.where(some[None], twice, 0.0) * taper
             blur.append(jnp.broadcast_to(wide, (sharpest + 1, scattering.size)))
         endless = tuple(one.phase.max_degree is None for one in atmosphere.constituents)
         return cls(
@@ -95,6 +95,7 @@ class Optics(eqx.Module):
 
     def up_to(self, degree: int) -> "Optics":
         """The same with room for harmonics up to a degree that phase functions without end fill."""
+
         def padded(part, one):
             lacks = degree + 1 - part.shape[0] if one else 0
             return jnp.pad(part, [(0, lacks), (0, 0)])

@@ -12,14 +12,15 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
-from .fan import make_fan
 from .columns import SunColumns
+from .fan import make_fan
 from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
+from .nodes import sample
 from .optics import Optics
-from .paths import Kind, Leg, both_legs, rising_leg, sample
+from .paths import Kind, Leg, both_legs, rising_leg
 from .quality import Quality
 
 
@@ -55,7 +56,7 @@ def scatter(optics: Optics, field: Field) -> Source:
 
 def straight_beam(columns: SunColumns, grid: Grid, field: Field, times: int) -> Field:
     """Sunlight that went straight on, by forward peaks, so many times; shaped as another field."""
-    medium, optics = columns.medium, columns.medium.optics
+    optics = columns.medium.optics
     up, sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
     column, lit = columns(grid.altitude[:, None], up[None, :])
     depth = column @ optics.straight
@@ -97,6 +98,7 @@ def send(
         strikes: Whether the leg ends at the ground, which then shines through.
         sun: As seen from the eye, in the frame of the ray; any shape.
         panels: Of nodes on the leg.
+        kinks: So many are ends of panels besides.
 
     Returns:
         Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.

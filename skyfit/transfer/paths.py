@@ -8,14 +8,12 @@ beyond; distances on a leg are counted outwards from that point, where the air i
 nodes lie closest.
 """
 
-from collections.abc import Callable
 from functools import partial
 from typing import Literal
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
@@ -26,13 +24,6 @@ from .quadrature import gauss
 
 Kind = Literal["rising", "any"]
 """Lines of sight that all rise, or that go anywhere: known before compiling."""
-
-
-_EVEN, _LEVEL, _EYE, _SUN = 1.0, 1.0, 1.0, 1.0
-_FADE = 0.4
-NODES = 3  # Gauss nodes on each panel of a stretch
-_MISSED = 0.05  # share of a panel's column; less is no likeness of it
-_THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
 class Leg(eqx.Module):
@@ -55,29 +46,6 @@ class Leg(eqx.Module):
     def from_eye(self, outwards: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """Distance from the eye to points at distances from the lowest point [m]."""
         return self.low_distance + self.sign * outwards
-
-
-class Path(eqx.Module):
-    """Nodes on a stretch of a leg.
-
-    Attributes:
-        distance: From the eye [m].
-        altitude: [m].
-        weight: Σ weight × f(node) is ∫ρ f ds, for f smooth [m].
-        column: From the stretch's low end to the node [m].
-        total: From one end to the other [m].
-    """
-
-    distance: Float[Array, " node"]
-    altitude: Float[Array, " node"]
-    weight: Float[Array, "node species"]
-    column: Float[Array, "node species"]
-    total: Float[Array, " species"]
-
-    def to_eye(self, leg: Leg, offset: Float[Array, " species"]) -> Float[Array, "node species"]:
-        """Columns between nodes and eye, given that from the eye to the stretch's nearer end."""
-        nearer = jnp.where(leg.sign > 0, self.column, self.total[None, :] - self.column)
-        return offset[None, :] + nearer
 
 
 def rising_leg(planet: AbstractPlanet, altitude: Scalar, mu: Scalar, farthest: Scalar) -> Leg:
@@ -141,164 +109,13 @@ def legs(
     )
 
 
-def crossings(
-    medium: Medium, leg: Leg, start: Scalar, end: Scalar
-) -> tuple[Float[Array, " edge"], Float[Array, "edge species"]]:
-    """Where a leg crosses the edges of the shells, and the columns from its start to there [m]."""
-    at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
-    inside = _columns_in_shells(medium, leg, at)
-    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), jnp.cumsum(inside, axis=0)])
-
-
-def sample(
-    medium: Medium,
-    leg: Leg,
-    start: Scalar,
-    end: Scalar,
-    panels: int,
-    kinks: int,
-    dimming: Callable[[Float[Array, " edge"], Float[Array, " edge"]], Array] | None = None,
-) -> Path:
-    """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
-
-    The stretch is cut into panels of equal importance, with `NODES` Gauss nodes each. Important
-    is where light comes from: where transmittance to the eye and from the sun changes, at the
-    clearest, a middling and the densest wavelength, and where the medium's own coordinate does; and
-    some of it is spread evenly over a coordinate that thins out away from the lowest point.
-    Between nodes, and cut where a density has a kink, three Gauss nodes a piece look at the density
-    alone: it is rough but cheap, what it multiplies is smooth but has a spectrum. The weights
-    integrate the polynomial through a panel's nodes times the density.
-
-    Args:
-        medium: What the ray crosses.
-        leg: Of the ray.
-        start: Nearer to the lowest point [m].
-        end: Farther from it [m].
-        panels: How many.
-        dimming: Optical depth [edge, sun, few] towards each of what shines, at the medium's telling
-            wavelengths, given the altitudes [m] of points and their distances from the eye [m].
-    """
-    span = end - start
-    safe_span = jnp.where(span > 0, span, 1.0)
-    steepness = float(np.log1p(_THINNING))
-    half = float(np.tanh(0.5 * steepness))
-    rises = leg.sign > 0
-
-    def place(x):
-        """Distance outwards and its slope at x in [0, 1]."""
-        bend = jnp.tanh(steepness * (x - 0.5))
-        share = jnp.where(
-            rises, jnp.expm1(steepness * x) / _THINNING, 0.5 * (1 + bend / half)
-        )
-        slope = jnp.where(rises, jnp.exp(steepness * x) / _THINNING, 0.5 * (1 - bend**2) / half)
-        return start + span * share, span * steepness * slope
-
-    def undo(outwards):
-        share = jnp.clip((outwards - start) / safe_span, 0.0, 1.0)
-        rising = jnp.log1p(share * _THINNING) / steepness
-        falling = 0.5 + jnp.arctanh((2 * share - 1) * half) / steepness
-        return jnp.where(rises, rising, falling)
-
-    at, column = crossings(medium, leg, start, end)
-    even = undo(at)
-    importance, light = _importance(medium, leg, at, column, even, dimming)
-    share = jnp.arange(1, panels, dtype=even.dtype) / panels
-    ends = jnp.asarray([0.0, 1.0], even.dtype)
-    cuts = jnp.concatenate([ends[:1], jnp.interp(share, importance, even), ends[1:]])
-    cuts = jnp.sort(jnp.concatenate([cuts, _kinks(medium, leg, at, even, light, cuts, kinks)]))
-    gauss_nodes, gauss_weights = (jnp.asarray(g, even.dtype) for g in gauss(NODES))
-    width = jnp.diff(cuts)[:, None]
-    x = (cuts[:-1, None] + width * gauss_nodes).ravel()
-    outwards, slope = place(x)
-    ends, _ = place(cuts)
-    columns, densities = _inside(medium, leg, at, column, jnp.concatenate([ends, outwards]))
-    whole = jnp.maximum(jnp.diff(columns[: cuts.size], axis=0), 0.0)
-    shares = (width * gauss_weights).ravel() * slope
-    weight = shares[:, None] * densities[cuts.size :]
-    # What the nodes of a panel miss of its column they are given: all of it counts.
-    by_panel = weight.reshape(width.size, NODES, -1)
-    seen = jnp.sum(by_panel, axis=1, keepdims=True)
-    found = seen > _MISSED * whole[:, None]
-    scale = jnp.where(found, whole[:, None], 0.0) / jnp.where(found, seen, 1.0)
-    spread = gauss_weights[None, :, None] * whole[:, None]
-    weight = jnp.where(found, by_panel * scale, spread).reshape(x.size, -1)
-    altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
-    return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], column[-1])
-
-
-def _importance(medium, leg, at, column, even, dimming):
-    """Share of what matters between the start of a stretch and each crossing, from 0 to 1."""
-    altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
-    level = jnp.interp(altitude, medium.edges, medium.coordinate)
-    depth = column @ medium.telling.T
-    depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
-    changes = [_EVEN * jnp.diff(even)[:, None], _LEVEL * jnp.diff(level)[:, None]]
-    light = jnp.exp(-depth)
-    changes.append(_EYE * jnp.diff(jnp.exp(-_FADE * depth), axis=0))
-    if dimming is not None:
-        total = depth[:, None] + dimming(altitude, leg.from_eye(at))
-        total = total.reshape(at.size, -1)
-        total = total - jax.lax.stop_gradient(jnp.min(total, axis=0))
-        light = jnp.exp(-total)
-        changes.append(_SUN * jnp.diff(jnp.exp(-_FADE * total), axis=0))
-    sizes = [jnp.mean(jnp.abs(change), axis=1) for change in changes]
-    running = jnp.cumsum(sum(sizes))
-    running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
-    whole = jnp.where(running[-1] > 0, running[-1], 1.0)
-    return running / whole, jnp.mean(light, axis=1)
-
-
-def _kinks(medium, leg, at, even, light, cuts, count):
-    """Where the strongest kinks of the density are that are seen, by the even coordinate."""
-    slant = medium.planet.mu_at_level(leg.altitude, leg.mu, medium.edges)
-    place = jnp.clip(jnp.sum(even[:, None] >= cuts[None], axis=1), 1, cuts.size - 1)
-    width = jnp.diff(cuts)[place - 1]
-    inside = (even > 0) & (even < 1)
-    strength = jnp.where(inside, medium.kink * slant * light * width**2 * (at[-1] - at[0]) ** 2, 0.0)
-    strength, which = jax.lax.top_k(strength, count)
-    return jnp.where(strength > 0, even[which], 0.0)
-
-
-def _inside(
-    medium: Medium,
-    leg: Leg,
-    at: Float[Array, " edge"],
-    column: Float[Array, "edge species"],
-    points: Float[Array, " point"],
-) -> tuple[Float[Array, "point species"], Float[Array, "point species"]]:
-    """Columns from where a leg starts to points on it [m], and relative densities there.
-
-    Args:
-        medium: What the leg crosses.
-        leg: Of a ray.
-        at: Where it crosses the edges of shells [m].
-        column: From its start to there [m].
-        points: Distances outwards [m].
-    """
-    planet, edges = medium.planet, medium.edges
-    shell = jnp.clip(jnp.sum(points[:, None] >= at[None, :], axis=1) - 1, 0, edges.size - 2)
-    low, bottom = at[shell], edges[shell]
-    depth = edges[shell + 1] - bottom
-    c0, c1, c2, c3 = (medium.cubics[:, power][:, shell] for power in range(4))
-
-    def density(distance):
-        altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
-        y = jnp.clip((altitude - bottom) / jnp.where(depth > 0, depth, 1.0), 0.0, 1.0)[None]
-        return jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0).T
-
-    total = jnp.zeros((points.size, medium.cubics.shape[0]), edges.dtype)
-    for x, w in zip(*gauss(3), strict=True):
-        total = total + float(w) * density(low + float(x) * (points - low))
-    return column[shell] + total * (points - low)[:, None], density(points)
-
-
 def column_along(medium: Medium, leg: Leg, start: Scalar, end: Scalar) -> Float[Array, " species"]:
     """Column between two distances from a leg's lowest point [m]."""
     at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
-    return jnp.sum(_columns_in_shells(medium, leg, at), axis=0)
+    return jnp.sum(columns_in_shells(medium, leg, at), axis=0)
 
 
-def _columns_in_shells(
+def columns_in_shells(
     medium: Medium, leg: Leg, at: Float[Array, " edge"]
 ) -> Float[Array, "shell species"]:
     """Columns along a leg between where it crosses neighbouring edges [m]."""

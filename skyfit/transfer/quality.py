@@ -54,6 +54,10 @@ class Quality(NamedTuple):
     sharpest: int
     tolerance: float
 
+    def at_sunset(self) -> "Quality":
+        """Finer along rays, on which a low sun's light changes fast."""
+        return self._replace(field_panels=self.field_panels + 3)
+
     def at_dusk(self) -> "Quality":
         """Finer where the shadow's edge and decades of brightness are in sight."""
         return self._replace(
@@ -119,3 +123,22 @@ QUALITIES = {
         tolerance=1e-7,
     ),
 }
+
+
+def coarser(quality: Quality) -> Quality:
+    """Sizes to compare with: the next coarser quality, or two thirds of a draft's or own sizes."""
+    if quality == QUALITIES["high"]:
+        return QUALITIES["default"]
+    if quality == QUALITIES["default"]:
+        return QUALITIES["draft"]
+
+    def fewer(directions: Directions) -> Directions:
+        return Directions(*(max(1, 2 * size // 3) for size in directions))
+
+    return quality._replace(
+        view_panels=max(2, 2 * quality.view_panels // 3),
+        field_panels=max(2, 2 * quality.field_panels // 3),
+        levels=max(6, 2 * quality.levels // 3),
+        first=fewer(quality.first),
+        higher=fewer(quality.higher),
+    )

@@ -1,38 +1,25 @@
 """Simulate the radiance of a sky: the public verb."""
 
-from typing import Literal
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from .._typing import Scalar, as_float, check, is_traced
-from ..angles import cos_view_sun_angle
+from .._typing import as_float, check, is_traced
 from ..atmosphere import Atmosphere, Constituent
-from .columns import SunColumns, sun_columns
-from .compiling import compile_quickly
-from .field import first_field, make_grid
-from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
-from .medium import Medium, make_medium
-from .optics import Optics
-from .orders import gather, next_field, scatter, straight_beam
-from .paths import Kind
-from .quality import (
-    ALL_SUNS_DEG,
-    LOW_SUN_OFFSETS_DEG,
-    QUALITIES,
-    TWILIGHT_OFFSETS_DEG,
-    Quality,
+from .program import Suns, orders_under_suns
+from .quality import QUALITIES, Quality, coarser
+from .trust import (
+    SHARE_OF_DISTANCE,
+    refuse_impossible,
+    relative_difference,
+    warn_of_darkness,
+    warn_of_error,
+    warn_of_low_top,
 )
-from .single import first_order
-from .solve import sum_of_orders
-from .views import Views, group
+from .views import group
 
-
-Suns = Literal["near", "low", "twilight", "all"]
-"""For which suns the field is kept; see `quality`."""
 
 LOW_SUN = np.radians(86.0)
 HIGH_UP = 20e3  # m
@@ -45,11 +32,13 @@ class Sky(eqx.Module):
     Attributes:
         by_order: Orders 1, 2, … one by one [W m⁻² sr⁻¹ nm⁻¹]. A reflection by the ground counts
             as one.
-        tail: All orders beyond, as a geometric series; 0 unless all orders were asked for.
+        tail: All orders beyond; 0 unless all orders were asked for.
+        error_estimate: How far the radiance may be off, relative; None unless asked for.
     """
 
     by_order: Float[Array, "order *batch wavelength"]
     tail: Float[Array, "*batch wavelength"]
+    error_estimate: Float[Array, "*batch wavelength"] | None = None
 
     @property
     def radiance(self) -> Float[Array, "*batch wavelength"]:
@@ -66,6 +55,7 @@ def simulate(
     geometry: str = "spherical",
     quality: str | Quality = "default",
     observer_altitude: ArrayLike = 0.0,
+    estimate_error: bool = False,
 ) -> Sky:
     """Simulate the radiance of a sky, without the sun's disc.
 
@@ -78,18 +68,76 @@ def simulate(
             horizontal [rad].
         view_zenith: Zenith angle of the direction, in [0, π] [rad].
         relative_azimuth: View azimuth minus sun azimuth, 0 towards the sun [rad].
-        orders: How many orders of scattering, 1 or more; None for all.
+        orders: How many orders of scattering, 1 or more; None for all, solved for together: then
+            `by_order` holds the first two.
         geometry: "spherical"; "flat" for a plane-parallel atmosphere; "paper" for flat where the
             view zenith is below 70° and spherical above, as Preetham et al. (1999) did.
         quality: "draft", "default" or "high"; see `skyfit.transfer.quality`.
         observer_altitude: 0 or more; above the atmosphere as well [m].
+        estimate_error: Simulate with the next coarser sizes too and say how far the radiance may be
+            off; an estimate above 2 % is warned of. Not inside a caller's `jit`.
 
     Returns:
         The sky; its spectra have the atmosphere's wavelengths.
 
     Raises:
-        ValueError: An angle or altitude out of its range, an unknown geometry or quality.
+        ValueError: An angle or altitude out of its range, an unknown geometry or quality; light
+            that is negative or not finite, where it is known.
+
+    Warns:
+        AccuracyWarning: The sun has set and much of the lit air would lie above the top; the
+            estimated error is large.
     """
+    sky = _sky(
+        atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry, quality,
+        observer_altitude,
+    )  # fmt: skip
+    if is_traced(sky.by_order, sky.tail):
+        if estimate_error:
+            raise ValueError("simulate(estimate_error=True): not inside jit, vmap or grad")
+        return sky
+    radiance = np.asarray(sky.radiance)
+    night = np.asarray(sun_zenith, float) > np.pi / 2
+    if radiance.size and night.any() and np.isfinite(radiance).all():
+        sky, radiance = _not_below_zero(sky, radiance, np.broadcast_to(night, radiance.shape[:-1]))
+    refuse_impossible(radiance, "simulate")
+    if geometry != "flat":
+        warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
+    if not estimate_error:
+        return sky
+    coarse = _sky(
+        atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry,
+        coarser(_sizes(orders, geometry, quality)), observer_altitude,
+    )  # fmt: skip
+    estimate = SHARE_OF_DISTANCE * relative_difference(radiance, np.asarray(coarse.radiance))
+    warn_of_error(estimate)
+    return eqx.tree_at(
+        lambda s: s.error_estimate, sky, as_float(estimate), is_leaf=lambda x: x is None
+    )
+
+
+def _not_below_zero(sky: Sky, radiance: np.ndarray, night: np.ndarray) -> tuple[Sky, np.ndarray]:
+    """Light that came out below 0 by night taken for none, with a warning."""
+    below = (radiance < 0) & night[..., None]
+    count = int(below.sum())
+    if count == 0:
+        return sky, radiance
+    warn_of_darkness(count, radiance.size)
+    light = Sky(jnp.where(below[None], 0.0, sky.by_order), jnp.where(below, 0.0, sky.tail))
+    return light, np.asarray(light.radiance)
+
+
+def _sky(
+    atmosphere: Atmosphere,
+    sun_zenith: ArrayLike,
+    view_zenith: ArrayLike,
+    relative_azimuth: ArrayLike,
+    orders: int | None,
+    geometry: str,
+    quality: str | Quality,
+    observer_altitude: ArrayLike,
+) -> Sky:
+    """`simulate` without its judgement of what comes out."""
     sizes = _sizes(orders, geometry, quality)
     sun = _checked(sun_zenith, "sun_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
     view = _checked(view_zenith, "view_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
@@ -97,7 +145,7 @@ def simulate(
     altitude = _checked(observer_altitude, "observer_altitude", "must be 0 m or more", 0.0)
     if geometry == "paper":
         flat, spherical = (
-            simulate(atmosphere, sun, view, azimuth, orders, one, quality, altitude)
+            _sky(atmosphere, sun, view, azimuth, orders, one, quality, altitude)
             for one in ("flat", "spherical")
         )
         near = view < PAPER_FLAT_BELOW
@@ -111,9 +159,9 @@ def simulate(
     suns: Suns = "all"
     if _known(altitude, lambda h: h <= HIGH_UP):
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
-    if suns in ("twilight", "all") and geometry != "flat":
-        sizes = sizes.at_dusk()
-    by_order, total = _simulate(
+    if suns != "near" and geometry != "flat":
+        sizes = sizes.at_sunset() if suns == "low" else sizes.at_dusk()
+    by_order, total = orders_under_suns(
         _widened(atmosphere), views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
@@ -132,161 +180,6 @@ def _widened(atmosphere: Atmosphere) -> Atmosphere:
 
     constituents = tuple(wide(one) for one in atmosphere.constituents)
     return eqx.tree_at(lambda a: a.constituents, atmosphere, constituents)
-
-
-@compile_quickly
-def _simulate(
-    atmosphere: Atmosphere,
-    views: Views,
-    *,
-    count: int | None,
-    flat: bool,
-    quality: Quality,
-    kind: Kind,
-    suns: Suns,
-    split: bool,
-) -> tuple[
-    Float[Array, "order sun ray out wavelength"], Float[Array, "1 sun ray out wavelength"]
-]:
-    """Orders one by one, and all that were asked for together; for every sun in turn."""
-    radius, top = atmosphere.planet_radius, atmosphere.top_altitude
-    planet = Flat(top) if flat else Spherical(radius, top)
-    exact = Optics.cut(atmosphere, quality.first.degree, quality.sharpest)
-    # All orders are summed where what goes straight on counts as not scattered.
-    rough = Optics.cut(atmosphere, quality.higher.degree, quality.sharpest).scaled()
-    optics = exact.beside(rough.up_to(quality.first.degree)) if count is None else exact
-    medium = make_medium(atmosphere, planet, optics)
-    columns = sun_columns(medium, quality.column_angles)
-    width = atmosphere.wavelengths.size
-
-    def under_one_sun(view: Views):
-        eyes = _eyes(planet, view, kind)
-        first, again = _first(medium, columns, view, eyes, quality, kind, split)
-        if count == 1:
-            return first[None], first[None]
-        nodes = _suns(view.sun, suns, flat, quality)
-        grid = make_grid(medium, nodes, quality.levels, quality.first)
-        higher = make_grid(medium, nodes, quality.levels, quality.higher)
-        field = first_field(columns, grid, quality)
-
-        def look(source):
-            def along(ray, sun, meets):
-                light = gather(
-                    medium, grid, source, ray, sun, kind=kind,
-                    panels=quality.view_panels, kinks=quality.view_kinks,
-                )
-                return jnp.where(meets, light, 0.0)
-
-            return jax.vmap(along)(*eyes)
-
-        if count is None:
-            scaled = eqx.tree_at(lambda m: m.optics, medium, rough)
-            once = jax.tree.map(lambda a: a[..., width:], field)
-
-            def further(field):
-                return next_field(scaled, higher, scatter(rough, field), quality)
-
-            more = sum_of_orders(further, once.up_to(quality.higher), quality.tolerance)
-            light = look(scatter(optics, field.plus(more, width)))
-            second = light[..., :width] + again[..., :width]
-            total = first[..., width:] + light[..., width:]
-            return jnp.stack([first[..., :width], second]), total[None]
-
-        second = look(scatter(optics, field)) + again
-        orders = [first, second]
-        # Light once scattered has no peaks any more: of what it meets nothing need be cut off.
-        whole = exact.whole()
-        field = field.up_to(quality.higher)
-        for times in range(1, count - 1):
-            beam = straight_beam(columns, grid, field, times)
-            source = scatter(whole, field).plus(scatter(exact, beam))
-            field = next_field(medium, higher, source, quality)
-            beam = straight_beam(columns, grid, field, times + 1)
-            orders.append(look(scatter(whole, field).plus(scatter(exact, beam))))
-        orders = jnp.stack(orders)
-        return orders, jnp.sum(orders, axis=0, keepdims=True)
-
-    light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength] both
-    sunshine = atmosphere.solar_irradiance[None, None, None, None, :]
-    by_order, total = (jnp.swapaxes(each, 0, 1) * sunshine for each in light)
-    return by_order, total
-
-
-def _suns(sun: Scalar, suns: Suns, flat: bool, quality: Quality) -> Float[Array, " sun"]:
-    """Zenith angles of the suns under which the field is kept [rad]."""
-    if flat:
-        return sun[None]
-    if suns == "all":
-        return jnp.radians(jnp.asarray(ALL_SUNS_DEG, sun.dtype))
-    offsets = {
-        "near": quality.sun_offsets_deg,
-        "low": max(quality.sun_offsets_deg, LOW_SUN_OFFSETS_DEG, key=len),
-        "twilight": TWILIGHT_OFFSETS_DEG,
-    }
-    return sun + jnp.radians(jnp.asarray(offsets[suns], sun.dtype))
-
-
-def _eyes(planet: AbstractPlanet, view: Views, kind: Kind):
-    """Lines of sight where they enter the atmosphere, the sun of each azimuth, and if they do."""
-    mu, sine = jnp.cos(view.view), jnp.sin(view.view)
-    if kind == "rising":
-        mu = jnp.maximum(mu, 0.0)
-
-    def one(altitude, mu, sine, azimuth):
-        ray = Ray(altitude, mu, sine)
-        sun = SunDirection.from_angles(view.sun, jnp.cos(azimuth))
-        if kind == "rising":
-            return ray, sun, jnp.asarray(True)
-        return planet.enter(ray, sun)
-
-    return jax.vmap(one)(view.altitude, mu, sine, view.azimuth)
-
-
-def _first(
-    medium: Medium,
-    columns: SunColumns,
-    view: Views,
-    eyes: tuple[Ray, SunDirection, Array],
-    quality: Quality,
-    kind: Kind,
-    split: bool,
-) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"]]:
-    """The first order along every line of sight; and of the second what went straight on once."""
-    cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
-    optics, width = medium.optics, medium.atmosphere.wavelengths.size
-
-    def along(ray, suns, meets):
-        found = first_order(
-            medium, columns, ray, suns, kind=kind, panels=quality.view_panels, kinks=quality.view_kinks,
-            split=split
-        )
-        return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found)
-
-    strength, light = jax.vmap(along)(*eyes)
-    first, again = light[:, :, 0], light[:, :, 1]
-    for number, one in enumerate(medium.atmosphere.constituents):
-        phase = one.phase.spectral(cos_gamma)
-        scattering = optics.scattering[number]
-        if phase.shape[-1] > 1:
-            phase = jnp.concatenate([phase] * (scattering.size // phase.shape[-1]), -1)
-        once, twice = strength[:, :, 0, number], strength[:, :, 1, number]
-        first = first + scattering * phase * once
-        if not optics.endless[number]:
-            again = again + scattering * phase * twice
-            continue
-        blurred = optics.blurred(number, cos_gamma)
-        again = again + scattering * (phase + blurred) * twice
-        # Light of all orders; the more of it goes straight on, the less is left to correct.
-        depth = twice / jnp.where(once > 0, once, 1.0)
-        first = first.at[..., width:].add((scattering * blurred * twice * _fewer(depth))[..., width:])
-    return first, again
-
-
-def _fewer(x: Float[Array, "*b"]) -> Float[Array, "*b"]:
-    """2 (x - 1 + e^{-x}) / x²: 1 at 0, where its series is used."""
-    small = x < 0.05
-    safe = jnp.where(small, 1.0, x)
-    return jnp.where(small, 1 - x / 3 + x**2 / 12, 2 * (safe - 1 + jnp.exp(-safe)) / safe**2)
 
 
 def _choose(near, a, b):

@@ -14,7 +14,8 @@ from .._typing import Scalar
 from .columns import SunColumns
 from .geometry import Ray, SunDirection
 from .medium import Medium
-from .paths import Kind, Leg, Path, both_legs, column_along, rising_leg, sample
+from .nodes import Path, sample
+from .paths import Kind, Leg, both_legs, column_along, rising_leg
 
 
 _DARK = 700.0  # optical depth that stands for the planet's shadow
@@ -23,9 +24,9 @@ _BLACK_COLUMN, _LEAST = 1e30, 1e-25  # m and 1/m: their product is dark, the sec
 
 def sunlight_at(
     columns: SunColumns,
-    altitude: Float[Array, "*b"],
-    mu: Float[Array, "*b"],
-    eye_column: Float[Array, "*b species"],
+    altitude: Float[Array, "*#b"],
+    mu: Float[Array, "*#b"],
+    eye_column: Float[Array, "*#b species"],
 ) -> tuple[Float[Array, "*b channel"], Float[Array, "*b species"]]:
     """Transmittance from the sun to a point times that from there to the eye; and the column."""
     sun_column, lit = columns(altitude, mu)
@@ -75,11 +76,14 @@ def along_path(
     """
     optics = columns.medium.optics
     wide = (-1,) + (1,) * sun.up.ndim
-    here = columns.medium.planet.turn_sun(sun, ray, path.distance.reshape(wide))
+    along = jax.tree.map(lambda a: a[None], sun)
+    here = columns.medium.planet.turn_sun(along, ray, path.distance.reshape(wide))
     to_eye = path.to_eye(leg, offset).reshape(*path.distance.shape, *wide[1:], -1)
     light, column = sunlight_at(columns, path.altitude.reshape(wide), here.up, to_eye)
     # One product of matrices for all suns: [species, node] @ [node, sun · channel].
-    kinds = [light] if orders == 1 else [light, light * jnp.minimum(column @ optics.straight, _DARK)]
+    kinds = (
+        [light] if orders == 1 else [light, light * jnp.minimum(column @ optics.straight, _DARK)]
+    )
     flat = [path.weight.T @ kind.reshape(path.distance.size, -1) for kind in kinds]
     return jnp.stack([one.reshape(-1, *light.shape[1:]) for one in flat])
 
@@ -123,6 +127,7 @@ def first_order(
         suns: As seen from the eye, in the frame of the ray.
         kind: "rising" saves the legs of falling rays.
         panels: Of nodes on each stretch.
+        kinks: So many are ends of panels besides.
         split: Cut the ray where it enters and leaves the planet's shadow of each sun. Without, all
             suns share nodes, and those in the shadow are dark.
 
@@ -136,7 +141,9 @@ def first_order(
     def light_of(leg: Leg, start, offset):
         if not split:
             middle = jax.tree.map(lambda a: jnp.mean(a)[None], suns)
-            path = sample(medium, leg, start, leg.length, panels, kinks, dimming(columns, ray, middle))
+            path = sample(
+                medium, leg, start, leg.length, panels, kinks, dimming(columns, ray, middle)
+            )
             light = along_path(columns, ray, leg, path, offset, suns)
             return jnp.moveaxis(light, 2, 0)
         return jax.vmap(partial(split_light, leg, start, offset))(suns)

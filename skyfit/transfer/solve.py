@@ -1,8 +1,8 @@
 """All orders at once: the sum of a series in which light scatters again and again.
 
 With A one more scattering, the sum x of A b + A² b + … solves x = A (b + x). Plain iteration adds
-order after order; where air is thick hundreds count. Anderson's acceleration (1965, J. ACM 12, 547),
-for every wavelength by itself, needs some ten.
+order after order; where air is thick hundreds count. Anderson's acceleration (1965, J. ACM 12,
+547), for every wavelength by itself, needs some ten.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,6 @@ from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
 from .field import Field
 
@@ -23,7 +22,7 @@ _MOST_STEPS = 200
 
 
 def sum_of_orders(again: Callable[[Field], Field], first: Field, tolerance: float) -> Field:
-    """x = A (b + x): the light of all orders but the first, b.
+    """X = A (b + x): the light of all orders but the first, b.
 
     Args:
         again: A, linear: the field of the next order.
@@ -51,10 +50,10 @@ def _anderson(remains, b: Field, *, scales: Field, tolerance: float) -> Field:
 
     def products(left, right):
         """Inner products by wavelength; any leading axes."""
-        pairs = zip(jax.tree.leaves(left), jax.tree.leaves(right), jax.tree.leaves(scales), strict=True)
-        return sum(
-            jnp.sum((u * s**2 * v).reshape(-1, u.shape[-1]), axis=0) for u, v, s in pairs
+        pairs = zip(
+            jax.tree.leaves(left), jax.tree.leaves(right), jax.tree.leaves(scales), strict=True
         )
+        return sum(jnp.sum((u * s**2 * v).reshape(-1, u.shape[-1]), axis=0) for u, v, s in pairs)
 
     def step(state):
         x, r, xs, rs, count, _ = state
@@ -64,11 +63,11 @@ def _anderson(remains, b: Field, *, scales: Field, tolerance: float) -> Field:
         gram = jnp.moveaxis(gram, -1, 0)
         side = jnp.stack([products(_row(rs, i), r) for i in range(_MEMORY)], axis=-1)
         trace = jnp.trace(gram, axis1=1, axis2=2)[:, None, None]
-        unit = jnp.eye(_MEMORY, dtype=gram.dtype)
+        unit = jnp.eye(_MEMORY, dtype=gram.dtype)[None]
         used = (steps < count).astype(gram.dtype)
         ridge = jnp.finfo(gram.dtype).eps * 100 * trace + jnp.where(trace > 0, 0.0, 1.0)
-        gram = gram + ridge * unit + (1 - used) * unit
-        mix = jnp.linalg.solve(gram, side[..., None])[..., 0] * used  # [channel, memory]
+        gram = gram + ridge * unit + (1 - used)[None, None] * unit
+        mix = jnp.linalg.solve(gram, side[..., None])[..., 0] * used[None]  # [channel, memory]
         # How far the step goes, less what the history foresaw.
         ahead = jax.tree.map(
             lambda x, r, dx, dr: x + r - jnp.einsum("wk,k...w->...w", mix, dx + dr), x, r, xs, rs

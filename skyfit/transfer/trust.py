@@ -1,0 +1,108 @@
+"""What a simulated sky is worth: refusals and warnings in one line, an estimate of its error."""
+
+import warnings
+
+import numpy as np
+
+from ..atmosphere import Atmosphere
+
+
+class AccuracyWarning(UserWarning):
+    """A number that may be wrong by more than is stated."""
+
+
+TOLERANCE = 0.02  # of radiance; an estimated error above it is warned of
+# A quality's error is at most so much of its distance from the next coarser one: measured on the
+# hard atmospheres of the tests.
+SHARE_OF_DISTANCE = 0.5
+_DIM = 1e-4  # of the brightest direction; darker ones are compared with this
+_MISSING = 0.02  # share of the lit air; more above the top is warned of
+_FAR = 100e3  # m above the top; what is higher scatters nothing one could see
+
+
+def refuse_impossible(radiance: np.ndarray, what: str) -> None:
+    """Refuse light that is not finite or negative.
+
+    Raises:
+        ValueError: Some is; says how much.
+    """
+    if not np.isfinite(radiance).all():
+        count = int((~np.isfinite(radiance)).sum())
+        raise ValueError(f"{what}: {count} of {radiance.size} radiances are not finite")
+    if (radiance < 0).any():
+        count, least = int((radiance < 0).sum()), float(radiance.min())
+        raise ValueError(
+            f"{what}: {count} of {radiance.size} radiances are negative, down to {least:.3g}; "
+            "expected 0 or more: a higher quality may simulate this atmosphere"
+        )
+
+
+def warn_of_darkness(count: int, size: int) -> None:
+    """Warn of light by night that came out below 0 and is taken for none."""
+    _warn(
+        f"simulate: {count} of {size} radiances after sunset are darker than can be told "
+        "and are 0; a higher quality tells more"
+    )
+
+
+def relative_difference(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
+    """How much two results differ, of the finer one; by wavelength of `[..., wavelength]`.
+
+    What is darker than a ten-thousandth of the brightest direction is compared with that.
+    """
+    brightest = np.max(fine, axis=tuple(range(fine.ndim - 1)), keepdims=True)
+    floor = np.maximum(np.maximum(fine, _DIM * brightest), 1e-300)
+    return np.abs(fine - coarse) / floor
+
+
+def warn_of_error(estimate: np.ndarray) -> None:
+    """Warn where the estimated error of a sky exceeds what is tolerated."""
+    worst = float(estimate.max(initial=0.0))
+    if worst > TOLERANCE:
+        share = float(np.mean(estimate > TOLERANCE))
+        _warn(
+            f"simulate: the estimated error is up to {worst:.1%} and exceeds {TOLERANCE:.0%} in "
+            f"{share:.0%} of the radiances; a higher quality lowers it"
+        )
+
+
+def warn_of_low_top(atmosphere: Atmosphere, sun_zenith: np.ndarray) -> None:
+    """Warn where the sun has set so far that much of the lit air lies above the top."""
+    lowest = float(np.max(sun_zenith, initial=0.0))
+    missing = missing_above(atmosphere, lowest)
+    if missing > _MISSING:
+        top = float(atmosphere.top_altitude)
+        _warn(
+            f"simulate: the atmosphere ends at {top / 1e3:.0f} km; with the sun "
+            f"{np.degrees(lowest) - 90:.1f} degrees below the horizontal {missing:.0%} of the lit "
+            "air overhead would lie higher: raise top_altitude"
+        )
+
+
+def missing_above(atmosphere: Atmosphere, sun_zenith: float) -> float:
+    """Share of the air overhead and lit by the sun that lies above the top, were there no top.
+
+    Of what scatters and has a density there: exponential profiles go on, tables end.
+
+    Args:
+        atmosphere: What scatters.
+        sun_zenith: Of the observer [rad].
+    """
+    if not np.pi / 2 < sun_zenith < np.pi:
+        return 0.0
+    radius, top = float(atmosphere.planet_radius), float(atmosphere.top_altitude)
+    shadow = radius * (1 / np.sin(sun_zenith) - 1)
+    highest = max(top, shadow) + _FAR
+    altitude = np.linspace(min(shadow, highest), highest, 2001)
+    scattering = np.asarray(atmosphere.scattering).max(axis=1)
+    air = sum(
+        strength * np.asarray(one.density(altitude))
+        for strength, one in zip(scattering, atmosphere.constituents, strict=True)
+    )
+    lit = np.trapezoid(air, altitude)
+    above = np.trapezoid(np.where(altitude > top, air, 0.0), altitude)
+    return float(above / lit) if lit > 0 else 0.0
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, AccuracyWarning, stacklevel=4)
