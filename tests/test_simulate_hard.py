@@ -46,7 +46,7 @@ def simulated(case, some, **choices):
     [
         ("volcanic", 60.0, 2e-3),
         ("smoke.5", 88.0, 5e-3),
-        ("smoke3", 88.0, 1e-2),
+        ("smoke3", 88.0, 2e-2),
         ("dust g.9 t.5", 60.0, 1e-2),
         ("two terms t.5", 60.0, 2e-2),
         ("mie dust t2", 60.0, 2e-2),
