@@ -64,13 +64,7 @@ class Grid(eqx.Module):
         gaps = jnp.where(itself, 1.0, gaps)
         factors = (x - self.level[None])[:, None, :] / gaps[None]
         others = used[:, None, :] & ~itself[None]
-        weights = jnp.where(used, jnp.prod(jnp.where(others, factors, 1.0), axis=-1), 0.0)
-        # Uneven levels make a cubic swing: there the two neighbours do.
-        places = jnp.arange(count)[None]
-        pair = (places == interval[:, None]) | (places == interval[:, None] + 1)
-        plain = jnp.prod(jnp.where(pair[:, None, :] & ~itself[None], factors, 1.0), axis=-1)
-        swings = jnp.sum(jnp.abs(weights), axis=1, keepdims=True) > _SWING
-        return jnp.where(swings, jnp.where(pair, plain, 0.0), weights)
+        return jnp.where(used, jnp.prod(jnp.where(others, factors, 1.0), axis=-1), 0.0)
 
     def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
         """Weights of the suns for a sun at other zenith angles [rad].
@@ -138,10 +132,16 @@ def make_grid(
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
-    return Grid(
+    grid = Grid(
         altitude, medium.level_at(altitude), _stencils(kinked), sun_zenith, medium.dusk(), mu,
         2 * np.pi * weight, cos_azimuth,
     )  # fmt: skip
+    # Uneven levels make a cubic swing: there the two neighbours do.
+    middle = 0.5 * (grid.level[1:] + grid.level[:-1])
+    swings = jnp.sum(jnp.abs(grid.between_levels(middle)), axis=1) > _SWING
+    pairs = _stencils(jnp.ones(levels, bool))
+    stencils = jnp.where(swings[:, None], pairs, grid.stencils)
+    return eqx.tree_at(lambda g: g.stencils, grid, stencils)
 
 
 def _levels(medium: Medium, count: int) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:

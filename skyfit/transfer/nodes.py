@@ -19,7 +19,6 @@ from .quadrature import gauss
 
 NODES = 3  # Gauss nodes on each panel
 _FADE = 0.4  # importance follows transmittance to this power, which also tells of dim parts
-_MISSED = 0.05  # share of a panel's column; less is no likeness of it
 _THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
@@ -119,13 +118,15 @@ def sample(
     whole = jnp.maximum(jnp.diff(columns[: cuts.size], axis=0), 0.0)
     shares = (width * gauss_weights[None]).ravel() * slope
     weight = shares[:, None] * densities[cuts.size :]
-    # What the nodes of a panel miss of its column they are given: all of it counts.
+    # What the nodes of a panel miss of its column is spread over them, what they see too much of it
+    # is taken off in proportion: all of it counts, and none is negative.
     by_panel = weight.reshape(width.size, NODES, -1)
     seen = jnp.sum(by_panel, axis=1, keepdims=True)
-    found = seen > _MISSED * whole[:, None]
-    scale = jnp.where(found, whole[:, None], 0.0) / jnp.where(found, seen, 1.0)
-    spread = gauss_weights[None, :, None] * whole[:, None]
-    weight = jnp.where(found, by_panel * scale, spread).reshape(x.size, -1)
+    missed = jnp.maximum(whole[:, None] - seen, 0.0)
+    excess = seen > whole[:, None]
+    scale = jnp.where(excess, whole[:, None], 1.0) / jnp.where(excess, seen, 1.0)
+    weight = by_panel * scale + gauss_weights[None, :, None] * missed
+    weight = weight.reshape(x.size, -1)
     altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
     return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], column[-1])
 

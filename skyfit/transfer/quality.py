@@ -86,7 +86,7 @@ QUALITIES = {
         column_angles=48,
         levels=10,
         field_panels=3,
-        field_kinks=2,
+        field_kinks=4,
         first=Directions(up=10, limb=3, down=4, azimuths=1, degree=12, modes=12),
         higher=Directions(up=8, limb=2, down=4, azimuths=9, degree=8, modes=8),
         sun_azimuths=3,
