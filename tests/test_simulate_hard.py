@@ -95,7 +95,8 @@ VIEW, AZIMUTH = np.radians([0.0, 45.0, 75.0]), np.radians([0.0, 20.0, 180.0])
 def test_density_times_coefficient_is_all_that_counts():
     plain = skyfit.simulate(layered(), 1.0, VIEW, AZIMUTH, orders=None).radiance
     scaled = skyfit.simulate(layered(scale=1e-4), 1.0, VIEW, AZIMUTH, orders=None).radiance
-    np.testing.assert_allclose(scaled, plain, rtol=1e-9)
+    # The sum of all orders is solved to 1e-6.
+    np.testing.assert_allclose(scaled, plain, rtol=1e-6)
 
 
 @pytest.mark.parametrize("quality", ["draft", "default"])
