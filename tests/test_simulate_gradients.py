@@ -39,12 +39,10 @@ PARAMETERS = {
 GRADIENT = eqx.filter_jit(jax.value_and_grad(total, argnums=(0, 1, 2, 3, 4)))
 
 
-# Nodes move with what dims light; where one crosses the edge of a shell the table of sun columns
-# jumps by its error, 1e-6: a gradient is right between such jumps, a difference of steps of 1e-4
-# counts them. By absorption, which changes light little, that is more than the slope itself.
-@pytest.mark.xfail(
-    reason="differences count jumps of the sun's columns at shell edges", strict=False
-)
+# A known fault, not a matter of tolerance: by absorption the difference is off the gradient by a factor
+# of two, and nothing after it is compared. Which of the two is right is not proven; jumps of the sun's
+# columns where nodes cross edges of shells are suspected.
+@pytest.mark.xfail(reason="gradient by absorption: -562, difference -178; unexplained", strict=True)
 def test_gradients_are_those_of_central_differences():
     at = (PARAMETERS, *(jnp.asarray(x) for x in (0.9, 1.1, 0.7, 500.0)))
     _, slopes = GRADIENT(*at)
