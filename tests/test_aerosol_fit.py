@@ -9,7 +9,7 @@ import xarray as xr
 
 import skyfit
 from skyfit import aerosol_fit
-from skyfit.transfer.quality import Directions, Quality
+from skyfit.transfer.quality import QUALITIES, Directions
 
 
 FILE = """
@@ -39,7 +39,9 @@ TRUTH = {
 }
 LAM = np.array([400.0, 520.0, 680.0])
 SMALL = Directions(up=4, limb=1, down=2, azimuths=6, degree=5, modes=5)
-COARSE = Quality(10, 16, 12, 4, 6, SMALL, SMALL, 2, (0.0,), 2)
+COARSE = QUALITIES["draft"]._replace(
+    view_panels=4, levels=6, first=SMALL, higher=SMALL, sun_azimuths=2, sun_offsets_deg=(0.0,)
+)
 VIEW = np.radians([0.0, 25.0, 50.0, 75.0, 75.0])
 AZIMUTH = np.radians([[0.0, 40.0, 90.0, 10.0, 180.0], [0.0, 0.0, 60.0, 120.0, 10.0]])
 SUN = np.radians([30.0, 60.0])

@@ -44,8 +44,9 @@ def test_every_shipped_sky_gives_a_picture_of_its_planet(file, tmp_path, capsys)
     rgb, rays = np.stack([found[name] for name in "RGB"], axis=-1), Fisheye(48).rays()
     light = (rgb @ LUMINANCE)[rays.inside]
     assert np.isfinite(rgb).all()
-    # By day luminances are hundreds to ten thousands of cd/m², brightest near the sun or horizon.
-    assert 100 < light.min() < light.max() < 3e5
+    # By day luminances are hundreds to ten thousands of cd/m², brightest near the sun or horizon;
+    # a degree from the sun dust of 1 to 2 µm sends hundreds of thousands.
+    assert 100 < light.min() < light.max() < 1e6
     assert 2 < light.max() / light.min() < 300
     # Half way up on the side away from the sun.
     gamma = np.arccos(np.clip(rays.direction @ direction_of(SUN, np.pi), -1, 1))

@@ -27,10 +27,12 @@ class Quality(NamedTuple):
     """How finely the simulator looks. All static: each set of sizes is one compiled program.
 
     Attributes:
-        view_panels: Of four nodes each along a line of sight, each lit stretch.
+        view_panels: Of three nodes each along a line of sight, each lit stretch.
+        view_kinks: Kinks of the density at which panels end besides.
         column_angles: Table of columns towards the sun, in its zenith angle.
         levels: Altitudes at which the light field is kept for the higher orders.
-        field_panels: Of four nodes each along a ray that ends at a level.
+        field_panels: Of three nodes each along a ray that ends at a level.
+        field_kinks: Kinks of the density at which these end besides.
         first: Directions of the first order's field, as sharp as the phase functions.
         higher: Directions of the later orders' fields: each scattering smooths them. Neither its
             degree nor its modes may exceed those of `first`.
