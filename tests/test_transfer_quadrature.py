@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from skyfit.transfer.harmonics import cosines, legendre
-from skyfit.transfer.quadrature import cubic_stencil, lagrange_weights, safe_sqrt
+from skyfit.transfer.quadrature import even_stencil, lagrange_weights, safe_sqrt
 
 
 def test_interpolation_reproduces_cubics_between_uneven_nodes():
@@ -15,12 +15,14 @@ def test_interpolation_reproduces_cubics_between_uneven_nodes():
     assert np.all(np.count_nonzero(weights, axis=-1) <= 4)
 
 
-def test_a_stencil_on_even_nodes_carries_cubics():
+@pytest.mark.parametrize("width", [4, 6])
+def test_a_stencil_on_even_nodes_carries_polynomials(width):
     position = jnp.asarray([0.0, 0.4, 3.7, 8.0, 9.0])
-    first, weights = cubic_stencil(position, 10)
-    values = sum(w * np.asarray(first + k, float) ** 3 for k, w in enumerate(weights))
-    # Cubes up to 729, rounded to 1e-16 of the largest.
-    np.testing.assert_allclose(values, position**3, rtol=1e-12, atol=1e-12)
+    first, weights = even_stencil(position, 10, width)
+    power = width - 1
+    values = sum(w * np.asarray(first + k, float) ** power for k, w in enumerate(weights))
+    # Powers up to 59049, rounded to 1e-16 of the largest.
+    np.testing.assert_allclose(values, position**power, rtol=1e-11, atol=1e-10)
 
 
 def test_interpolation_holds_the_ends_outside_and_works_with_few_nodes():

@@ -151,6 +151,7 @@ def _levels(medium: Medium, count: int) -> tuple[Float[Array, " level"], Bool[Ar
     """
     even = jnp.linspace(0, 1, count, dtype=medium.edges.dtype)
     altitude = jnp.interp(even, medium.coordinate, medium.edges)
+    altitude = altitude.at[0].set(0.0).at[-1].set(medium.planet.top)
     gap = jnp.interp(medium.edges, 0.5 * (altitude[1:] + altitude[:-1]), jnp.diff(altitude))
     inside = (medium.edges > 0) & (medium.edges < medium.planet.top)
     strength = jnp.where(inside, medium.kink * gap**2, 0.0)

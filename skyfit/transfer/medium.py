@@ -5,6 +5,7 @@ thousand times larger with a coefficient a thousand times smaller is the same me
 """
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -13,11 +14,11 @@ from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Spherical
 from .optics import Optics
-from .quadrature import gauss
 
 
 _SHELLS = 40
 _SHELL_GROWTH = 6.0  # shells at (e^{6x} - 1)/(e⁶ - 1) of the top: 24 m to 8.6 km deep under 60 km
+_ALIKE = 0.03  # wavelengths whose optical depths differ by so much count as one
 _LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
 # Shares of that coordinate: altitude alone, optical depth, what dims light from above and below.
 _BY_ALTITUDE, _BY_DEPTH, _BY_DIMMING = 0.5, 0.25, 0.25
@@ -107,31 +108,30 @@ def make_medium(
 ) -> Medium:
     """Lay an atmosphere out on a planet.
 
-    Shells end where a density has a kink, and are thin enough besides: a cubic through four Gauss
-    nodes follows exponentials of 1 km or more to 1e-6 of their value at the ground.
+    Shells end where a density has a kink, and are thin enough besides: a cubic through four points
+    follows exponentials of 1 km or more to 1e-6 of their value at the ground.
     """
     optics = Optics.plain(atmosphere) if optics is None else optics
     x = np.linspace(0, 1, _SHELLS + 1)
     base = planet.top * jnp.asarray(_grown(x, _SHELL_GROWTH), planet.top.dtype)
     edges = jnp.sort(jnp.concatenate([base, atmosphere.knots()]))
-    nodes, weights = gauss(4)
-    depth = jnp.diff(edges)[:, None]
-    density = atmosphere.density(edges[:-1, None] + depth * jnp.asarray(nodes, edges.dtype)[None])
-    to_powers = jnp.asarray(np.linalg.inv(np.vander(nodes, 4, increasing=True)), edges.dtype)
+    depth = jnp.diff(edges)
+    # Both ends are looked at, so that densities are continuous from shell to shell, but from just
+    # inside, since a layer may end there.
+    inside = float(jnp.finfo(edges.dtype).eps) ** 0.4
+    looks = np.array([inside, 0.5 * (1 - 5**-0.5), 0.5 * (1 + 5**-0.5), 1 - inside])
+    density = atmosphere.density(
+        edges[:-1, None] + depth[:, None] * jnp.asarray(looks, edges.dtype)[None]
+    )
+    to_powers = jnp.asarray(np.linalg.inv(np.vander(looks, 4, increasing=True)), edges.dtype)
     cubics = jnp.einsum("pn,kns->spk", to_powers, density)
-    column = jnp.einsum("n,kns->ks", jnp.asarray(weights, edges.dtype), density) * depth
+    means = jnp.asarray(1 / np.arange(1, 5), edges.dtype)
+    column = jnp.maximum(jnp.einsum("p,spk->ks", means, cubics), 0.0) * depth[:, None]
     none = jnp.zeros_like(column[:1])
     above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
     telling = _telling(optics.extinction, above[0])
-    slope_below = (cubics[:, 1] + 2 * cubics[:, 2] + 3 * cubics[:, 3]) / jnp.where(
-        depth > 0, depth, jnp.inf
-    ).T
-    slope_above = cubics[:, 1] / jnp.where(depth > 0, depth, jnp.inf).T
-    pad = jnp.zeros_like(slope_above[:, :1])
-    jump = jnp.concatenate([slope_above, pad], axis=1) - jnp.concatenate([pad, slope_below], axis=1)
-    # Elsewhere there is only rounding.
     is_knot = jnp.any(edges[:, None] == atmosphere.knots()[None, :], axis=1)
-    kink = jnp.where(is_knot, jnp.mean(jnp.abs(telling @ jump), axis=0), 0.0)
+    kink = jnp.where(is_knot, _kink(cubics, depth, telling), 0.0)
     mixed = _mixed(edges / planet.top, above @ telling.T, above[0] @ telling.T)
     return Medium(
         atmosphere,
@@ -147,6 +147,27 @@ def make_medium(
     )
 
 
+def _kink(
+    cubics: Float[Array, "species 4 shell"],
+    depth: Float[Array, " shell"],
+    telling: Float[Array, "few species"],
+) -> Float[Array, " edge"]:
+    """By how much the slope of extinction jumps at each edge, 0 at the ends [m⁻²].
+
+    Where edges coincide, at the first of them.
+    """
+    count = depth.size
+    some = depth > 0
+    safe = jnp.where(some, depth, 1.0)[None]
+    at_bottom = cubics[:, 1] / safe
+    at_top = (cubics[:, 1] + 2 * cubics[:, 2] + 3 * cubics[:, 3]) / safe
+    # The next shell above each edge that has a depth.
+    above = jax.lax.cummin(jnp.where(some, jnp.arange(count), count - 1), reverse=True)
+    jump = jnp.where(some[None, :-1], at_bottom[:, above[1:]] - at_top[:, :-1], 0.0)
+    size = jnp.mean(jnp.abs(telling @ jump), axis=0)
+    return jnp.pad(size, 1)
+
+
 def _grown(x, growth):
     return np.expm1(growth * x) / np.expm1(growth)
 
@@ -154,11 +175,14 @@ def _grown(x, growth):
 def _telling(
     extinction: Float[Array, "species wavelength"], column: Float[Array, " species"]
 ) -> Float[Array, "3 species"]:
-    """Extinction at the clearest, a middling and the densest wavelength."""
+    """Extinction about the clearest, a middling and the densest wavelength.
+
+    Means over wavelengths of nearly that depth: a choice of one would jump from one to another.
+    """
     depth = jnp.log(column @ extinction + 1e-12)
-    low, high = jnp.argmin(depth), jnp.argmax(depth)
-    middle = jnp.argmin(jnp.abs(depth - 0.5 * (depth[low] + depth[high])))
-    return extinction[:, jnp.stack([low, middle, high])].T
+    low, high = jnp.min(depth), jnp.max(depth)
+    off = jnp.stack([depth - low, jnp.abs(depth - 0.5 * (low + high)), high - depth])
+    return jax.nn.softmax(-off / _ALIKE, axis=1) @ extinction.T
 
 
 def _mixed(

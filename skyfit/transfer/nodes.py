@@ -19,6 +19,8 @@ from .quadrature import gauss
 
 NODES = 3  # Gauss nodes on each panel
 _FADE = 0.4  # importance follows transmittance to this power, which also tells of dim parts
+_FAINT = 1e-9  # change of optical depth by a kink, over a panel, that is none
+_AHEAD = 0.1  # a kink stronger by this share than the next is the end of a panel
 _THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
@@ -108,7 +110,8 @@ def sample(
     share = jnp.arange(1, panels, dtype=even.dtype) / panels
     ends = jnp.asarray([0.0, 1.0], even.dtype)
     cuts = jnp.concatenate([ends[:1], jnp.interp(share, importance, even), ends[1:]])
-    cuts = jnp.sort(jnp.concatenate([cuts, _kinks(medium, leg, at, even, light, cuts, kinks)]))
+    kinked = _kinks(medium, leg, at, even, light, importance, panels, kinks)
+    cuts = jnp.sort(jnp.concatenate([cuts, kinked]))
     gauss_nodes, gauss_weights = (jnp.asarray(g, even.dtype) for g in gauss(NODES))
     width = jnp.diff(cuts)[:, None]
     x = (cuts[:-1, None] + width * gauss_nodes[None]).ravel()
@@ -153,17 +156,21 @@ def _importance(medium, leg, at, column, even, dimming):
     return running / whole, jnp.mean(light, axis=1)
 
 
-def _kinks(medium, leg, at, even, light, cuts, count):
-    """Where the strongest kinks of the density are that are seen, by the even coordinate."""
+def _kinks(medium, leg, at, even, light, importance, panels, count):
+    """Where the strongest kinks of the density are that are seen, by the even coordinate.
+
+    One that is hardly stronger than the next, which is left out, lies on the way to the start:
+    where two change places nothing jumps.
+    """
     slant = medium.planet.mu_at_level(leg.altitude, leg.mu, medium.edges)
-    place = jnp.clip(jnp.sum(even[:, None] >= cuts[None], axis=1), 1, cuts.size - 1)
-    width = jnp.diff(cuts)[place - 1]
-    inside = (even > 0) & (even < 1)
-    strength = jnp.where(
-        inside, medium.kink * slant * light * width**2 * (at[-1] - at[0]) ** 2, 0.0
-    )
-    strength, which = jax.lax.top_k(strength, count)
-    return jnp.where(strength > 0, even[which], 0.0)
+    # How wide panels are about each edge, by the even coordinate.
+    wider, more = (jnp.pad(a[2:] - a[:-2], 1, mode="edge") for a in (even, importance))
+    width = jnp.minimum(wider / jnp.maximum(panels * more, 1e-9), 1.0)
+    strength = medium.kink * slant * light * (width * (at[-1] - at[0])) ** 2
+    strength = jnp.where((even > 0) & (even < 1), strength, 0.0)
+    strength, which = jax.lax.top_k(strength, count + 1)
+    ahead = 1 - (strength[-1] + _FAINT) / (strength[:-1] + _FAINT)
+    return jnp.clip(ahead / _AHEAD, 0.0, 1.0) * even[which[:-1]]
 
 
 def _inside(

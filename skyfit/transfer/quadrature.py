@@ -20,14 +20,21 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (x + 1), 0.5 * w
 
 
-def cubic_stencil(
-    position: Float[Array, "*batch"], count: int
-) -> tuple[Array, tuple[Float[Array, "*batch"], ...]]:
-    """First of the four nearest nodes 0, 1, … count - 1, and their Lagrange weights."""
-    first = jnp.clip(jnp.floor(position).astype(int) - 1, 0, count - 4)
+def even_stencil(
+    position: Float[Array, "*batch"], count: int, width: int
+) -> tuple[Array, list[Float[Array, "*batch"]]]:
+    """First of the `width` nearest of the nodes 0, 1, … count - 1, and their Lagrange weights."""
+    first = jnp.clip(jnp.floor(position).astype(int) - (width // 2 - 1), 0, count - width)
     t = position - first.astype(position.dtype)
-    a, b, c, d = t, t - 1, t - 2, t - 3
-    return first, (-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6)
+    weights = []
+    for k in range(width):
+        others = [j for j in range(width) if j != k]
+        scale = 1 / float(np.prod([k - j for j in others]))
+        weight = scale * (t - others[0])
+        for j in others[1:]:
+            weight = weight * (t - j)
+        weights.append(weight)
+    return first, weights
 
 
 def lagrange_weights(
