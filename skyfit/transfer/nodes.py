@@ -21,6 +21,7 @@ NODES = 3  # Gauss nodes on each panel
 _FADE = 0.4  # importance follows transmittance to this power, which also tells of dim parts
 _FAINT = 1e-9  # change of optical depth by a kink, over a panel, that is none
 _AHEAD = 0.1  # a kink stronger by this share than the next is the end of a panel
+_NEAR_END = 1e-3  # of a stretch; a kink there is weaker
 _THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
 
@@ -144,7 +145,9 @@ def _importance(medium, leg, at, column, even, dimming):
     light = jnp.exp(-depth)
     changes.append(jnp.diff(jnp.exp(-_FADE * depth), axis=0))
     if dimming is not None:
-        total = depth[:, None] + dimming(altitude, leg.from_eye(at))
+        # Clearly above each edge: rounding may not choose the shell from which columns are taken.
+        clear = float(jnp.finfo(altitude.dtype).eps) ** 0.75 * medium.planet.top
+        total = depth[:, None] + dimming(altitude + clear, leg.from_eye(at))
         total = total.reshape(at.size, -1)
         total = total - jnp.min(total, axis=0, keepdims=True)
         light = jnp.exp(-total)
@@ -167,7 +170,8 @@ def _kinks(medium, leg, at, even, light, importance, panels, count):
     wider, more = (jnp.pad(a[2:] - a[:-2], 1, mode="edge") for a in (even, importance))
     width = jnp.minimum(wider / jnp.maximum(panels * more, 1e-9), 1.0)
     strength = medium.kink * slant * light * (width * (at[-1] - at[0])) ** 2
-    strength = jnp.where((even > 0) & (even < 1), strength, 0.0)
+    # Those beyond the ends were moved to them, but for rounding.
+    strength = strength * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
     strength, which = jax.lax.top_k(strength, count + 1)
     ahead = 1 - (strength[-1] + _FAINT) / (strength[:-1] + _FAINT)
     return jnp.clip(ahead / _AHEAD, 0.0, 1.0) * even[which[:-1]]
