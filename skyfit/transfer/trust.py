@@ -55,6 +55,27 @@ def relative_difference(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     return np.abs(fine - coarse) / floor
 
 
+def estimated_error(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
+    """Estimate of a radiance's relative error from that at the next coarser sizes.
+
+    Half of `relative_difference`: no bound, and blind to what all sizes have in common.
+
+    Args:
+        fine: Of one or more skies, [..., wavelength].
+        coarse: The same at the next coarser sizes.
+
+    Raises:
+        ValueError: The coarser radiance is not finite.
+    """
+    if not np.isfinite(coarse).all():
+        count = int((~np.isfinite(coarse)).sum())
+        raise ValueError(
+            f"simulate: {count} of {coarse.size} radiances at the coarser sizes are not finite; "
+            "the error cannot be estimated by them"
+        )
+    return SHARE_OF_DISTANCE * relative_difference(fine, coarse)
+
+
 def warn_of_error(estimate: np.ndarray) -> None:
     """Warn where the estimated error of a sky exceeds what is tolerated."""
     worst = float(estimate.max(initial=0.0))
