@@ -106,7 +106,6 @@ def sum_up(
             checked.
     """
     known = errors[np.isfinite(errors)].astype(float)
-    worst = float(known.max())
     place = np.unravel_index(np.nanargmax(errors), errors.shape)
     *sky, direction, wavelength = (int(number) for number in place)
     axes = (campaign.swept[1], campaign.sun_zenith)[-len(sky) :]
@@ -126,9 +125,8 @@ def sum_up(
         total=campaign.num_skies,
         compared_with=_coarser_in_words(campaign.quality),
         share_of_distance=SHARE_OF_DISTANCE,
-        worst=worst,
-        # Of shares of the worst: its own square may be too large for a number.
-        rms=worst * float(np.sqrt(np.mean((known / worst) ** 2))) if worst > 0 else 0.0,
+        worst=float(known.max()),
+        rms=float(np.sqrt(np.mean(known**2))),
         median=float(np.median(known)),
         tolerance=TOLERANCE,
         share_above=float(np.mean(known > TOLERANCE)),
@@ -137,9 +135,21 @@ def sum_up(
 
 
 def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
-    """The error estimate that a simulated dataset has on record; None if it has none."""
-    found = dataset.attrs.get(ERRORS)
-    return None if found is None else ErrorEstimate(**json.loads(found))
+    """The error estimate that a simulated dataset has on record; None if it has none.
+
+    Raises:
+        ValueError: Another version wrote it, with other fields.
+    """
+    if ERRORS not in dataset.attrs:
+        return None
+    found = json.loads(dataset.attrs[ERRORS])
+    expected = {field.name for field in dataclasses.fields(ErrorEstimate)}
+    if set(found) != expected:
+        odd = ", ".join(sorted(set(found) ^ expected))
+        raise ValueError(
+            f"dataset: attribute {ERRORS!r} is of another version; it differs in {odd}"
+        )
+    return ErrorEstimate(**found)
 
 
 def covers(estimate: ErrorEstimate | None, skies: str) -> bool:

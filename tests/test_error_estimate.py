@@ -11,7 +11,7 @@ from stand_in import stand_in
 import skyfit
 from skyfit import cli, runner
 from skyfit.error_estimate import estimate_of, sampled_skies
-from skyfit.transfer.trust import AccuracyWarning
+from skyfit.transfer.trust import AccuracyWarning, estimated_error
 
 
 SMALL = skyfit.Campaign(
@@ -256,6 +256,20 @@ def test_coarser_light_that_is_not_finite_gives_no_estimate(simulator, tmp_path)
     with pytest.raises(ValueError, match=r"at the coarser sizes are not finite; the error cannot"):
         skyfit.run_campaign(SMALL, store=store, estimate_error="sample")
     assert estimate_of(skyfit.load_dataset(store)) is None
+
+
+def test_a_black_sky_is_off_by_all_or_nothing():
+    black, faint = np.zeros((3, 2)), np.array([[0.0, 0.0], [1e-20, 0.0], [0.0, 0.0]])
+    half = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.0]])
+    assert np.array_equal(estimated_error(black, faint), half)
+
+
+def test_an_estimate_of_another_version_is_named(simulator):
+    record = skyfit.run_campaign(SMALL, estimate_error="sample")
+    found = json.loads(record.attrs["error_estimate"])
+    changed = record.assign_attrs(error_estimate=json.dumps(found | {"bias": 0.0}))
+    with pytest.raises(ValueError, match=r"'error_estimate' is of another version; .* in bias"):
+        estimate_of(changed)
 
 
 @pytest.mark.parametrize(

@@ -48,11 +48,12 @@ def warn_of_darkness(count: int, size: int) -> None:
 def relative_difference(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """How much two results differ, of the finer one; by wavelength of `[..., wavelength]`.
 
-    What is darker than a ten-thousandth of the brightest direction is compared with that.
+    What is darker than a ten-thousandth of the brightest direction is compared with that; where
+    all directions are black, the difference is 1 unless both results are.
     """
     brightest = np.max(fine, axis=tuple(range(fine.ndim - 1)), keepdims=True)
-    floor = np.maximum(np.maximum(fine, _DIM * brightest), 1e-300)
-    return np.abs(fine - coarse) / floor
+    floor, off = np.maximum(fine, _DIM * brightest), np.abs(fine - coarse)
+    return np.where(floor > 0, off / np.where(floor > 0, floor, 1.0), off > 0)
 
 
 def estimated_error(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
