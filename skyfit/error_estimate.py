@@ -175,8 +175,8 @@ def warn_where_large(estimate: ErrorEstimate, quality: str) -> None:
     cure = "" if quality == list(QUALITIES)[-1] else "; a higher quality lowers it"
     warnings.warn(
         f"the estimated error of the skies is up to {estimate.worst:.1%} ({estimate.where}) and "
-        f"exceeds {estimate.tolerance:.0%} in {estimate.share_above:.2g} of the radiances of "
-        f"{estimate.checked} skies{cure}",
+        f"exceeds {estimate.tolerance:.0%} in {100 * estimate.share_above:.2g}% of the radiances "
+        f"of {estimate.checked} skies{cure}",
         AccuracyWarning,
         stacklevel=3,
     )
