@@ -3,11 +3,14 @@
 Dimensions are the swept parameter (`turbidity`, or any other; none where nothing is swept),
 `sun_zenith`, `direction` and `wavelength`, plus `order` where the orders of scattering are kept.
 Angles are in radians. Attributes describe the atmospheres and the versions that made the record, so
-that it can be simulated or fitted again from the file alone.
+that it can be simulated or fitted again from the file alone. Where the error was estimated, the
+attribute `error_estimate` sums it up, and the variable of that name has it for every radiance if
+every sky was checked.
 """
 
 import dataclasses
 import json
+import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from os import PathLike
@@ -21,6 +24,7 @@ import xarray as xr
 
 from .campaign import Campaign, PaperAtmosphere
 from .colour import spectrum_to_xyY
+from .error_estimate import ERRORS, covers, estimate_of
 
 
 SCHEMA = "skyfit/dataset/1"
@@ -36,6 +40,7 @@ UNITS = {
     "relative_azimuth": ("azimuth of the view direction from the sun's", "rad"),
     "wavelength": ("wavelength", "nm"),
     "order": ("number of interactions of the light with air, haze or ground", "1"),
+    ERRORS: ("estimate of the relative error of the radiance", "1"),
     "done": ("whether the sky has been simulated", "1"),
 }
 STANDARD_NAMES = {
@@ -95,6 +100,18 @@ def sky_variables(
     return variables
 
 
+def with_errors(dataset: xr.Dataset, errors: np.ndarray) -> xr.Dataset:
+    """A dataset with the estimated relative error of every radiance beside it.
+
+    Args:
+        dataset: As `run_campaign` returns it.
+        errors: Of the radiance's shape. Kept in single precision: two digits are all they are
+            worth.
+    """
+    values = errors.astype(np.float32)
+    return dataset.assign({ERRORS: (dataset["radiance"].dims, values, describe(ERRORS))})
+
+
 def campaign_of(dataset: xr.Dataset) -> Campaign:
     """The campaign that made a simulated dataset, from its attributes alone.
 
@@ -127,11 +144,19 @@ def save_dataset(
     if kind == ".zarr":
         dataset.to_zarr(path, mode="w", consolidated=False)
     else:
-        dataset.to_netcdf(path, engine="netcdf4")
+        # A record that is replaced stays whole until the new one is.
+        begun = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
+        try:
+            dataset.to_netcdf(begun, engine="netcdf4")
+            begun.replace(path)
+        finally:
+            begun.unlink(missing_ok=True)
 
 
 def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
     """Read a sky dataset back.
+
+    Estimates of the error that were interrupted before every sky had one are left out.
 
     Raises:
         ValueError: The file is not one, is unfinished, or holds a NaN or an infinity.
@@ -146,6 +171,8 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
                 "to finish"
             )
         dataset = dataset.drop_vars("done")
+    if ERRORS in dataset and not covers(estimate_of(dataset), "all"):
+        dataset = dataset.drop_vars(ERRORS)  # interrupted before every sky had one
     for name, array in dataset.data_vars.items():
         bad = int(np.count_nonzero(~np.isfinite(array.values)))
         if bad:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,9 +14,27 @@ import xarray as xr
 from ._typing import as_float
 from .atmosphere import Atmosphere
 from .campaign import Campaign
-from .dataset import check_suffix, load_dataset, save_dataset, sky_dataset, sky_variables
+from .dataset import (
+    check_suffix,
+    load_dataset,
+    save_dataset,
+    sky_dataset,
+    sky_variables,
+    with_errors,
+)
+from .error_estimate import (
+    CHECKS,
+    ERRORS,
+    covers,
+    estimate_of,
+    recorded,
+    sampled_skies,
+    sum_up,
+    warn_where_large,
+)
 from .store import SkyStore, empty_skies, refuse_another
-from .transfer.simulate_sky import simulate
+from .transfer.simulate_sky import coarser_radiance, simulate
+from .transfer.trust import estimated_error, refuse_impossible
 
 
 class _Job(NamedTuple):
@@ -33,6 +51,19 @@ class _Place(NamedTuple):
     altitude: float
 
 
+Variables = dict[str, np.ndarray]
+
+
+class _Run(NamedTuple):
+    """A campaign under way, with a place for each value of what is swept."""
+
+    campaign: Campaign
+    places: list[_Place]
+    suns_per_call: int
+    workers: int
+    progress: Callable[[int, int], None]
+
+
 def run_campaign(
     campaign: Campaign,
     progress: Callable[[int, int], None] | None = None,
@@ -40,25 +71,35 @@ def run_campaign(
     *,
     workers: int = 1,
     suns_per_call: int | None = None,
+    estimate_error: str = "none",
 ) -> xr.Dataset:
     """Simulate every sky of a campaign.
 
     Args:
         campaign: What to simulate.
-        progress: Called as `progress(done, total)` with numbers of skies.
+        progress: Called as `progress(done, total)` with numbers of skies; those whose error is
+            estimated afterwards are counted on.
         store: A name ending in .zarr or .nc to save the skies under. A .zarr store keeps every
             finished sky: the same call continues it after an interruption.
         workers: Threads that run the compiled program side by side.
         suns_per_call: Suns that one call of the program simulates: how much an interruption
             loses, and how much memory a call takes. All of a turbidity's, at most 12, by default.
             Campaigns with as many share the compiled program.
+        estimate_error: "sample" to simulate a few skies at the next coarser sizes too and put on
+            record how far the radiances may be off; "all" to do so with every sky, and record it
+            for each radiance. Finished skies of `store` are taken as they are. "none" leaves what
+            is on record.
 
     Returns:
         Dimensions (turbidity or what else is swept, sun_zenith, direction, wavelength); see
-        `skyfit.dataset`.
+        `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
 
     Raises:
-        ValueError: `store` holds something else, or a store of another campaign.
+        ValueError: `store` holds something else, or a store of another campaign; an argument is
+            impossible; a radiance is negative or not finite.
+
+    Warns:
+        AccuracyWarning: The estimate on record exceeds 2 %; what `simulate` warns of.
     """
     if suns_per_call is None:
         suns_per_call = min(12, len(campaign.sun_zenith))
@@ -67,68 +108,112 @@ def run_campaign(
             "run_campaign: expected workers and suns_per_call of 1 or more; "
             f"got {workers} and {suns_per_call}"
         )
-    template = empty_skies(campaign, _shapes(campaign), jnp.result_type(float))
-    variables = {str(name): array.values for name, array in template.data_vars.items()}
-    kept, done = None, np.zeros(campaign.sky_shape, bool)
+    if estimate_error not in CHECKS:
+        expected = ", ".join(repr(name) for name in CHECKS)
+        raise ValueError(
+            f"run_campaign(estimate_error=...): expected one of {expected}; got {estimate_error!r}"
+        )
+    places = [
+        _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
+        for value in campaign.swept[1]
+    ]
+    template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
+    run = _Run(campaign, places, suns_per_call, workers, progress or (lambda done, total: None))
+    kept, dataset = None, None
     if store is not None and check_suffix(store) == ".zarr":
         kept = SkyStore(store, template)
-        done = kept.done()
-        variables = {name: kept.read(name) for name in variables}
     elif store is not None and Path(store).exists():
         refuse_another(store, template)
-        return load_dataset(store)
+        dataset = load_dataset(store)
+    fresh = dataset is None
+    if dataset is None:
+        dataset = _simulated(run, template, kept)
+    refuse_impossible(dataset["radiance"].values, "run_campaign" if store is None else str(store))
+    if store is not None and kept is None and fresh:
+        save_dataset(dataset, store)  # before what follows, which may be interrupted
+    if not covers(estimate_of(dataset), estimate_error):
+        dataset = _estimated(run, dataset, estimate_error, kept)
+        if store is not None and kept is None:
+            save_dataset(dataset, store, overwrite=True)
+    if (estimate := estimate_of(dataset)) is not None:
+        warn_where_large(estimate, campaign.quality)
+    return dataset
 
-    def report() -> None:
-        if progress is not None:
-            progress(int(done.sum()), done.size)
 
-    report()
-    jobs = _jobs(np.atleast_2d(done), suns_per_call)
-    for job, skies in _simulated(campaign, jobs, suns_per_call, workers):
-        for number, sun in enumerate(job.suns):
-            one = {name: array[number] for name, array in skies.items()}
-            sky = (job.at, sun)[-done.ndim :]
+def _simulated(run: _Run, template: xr.Dataset, kept: SkyStore | None) -> xr.Dataset:
+    """All skies, simulated or as they are in a store, with the store's estimate of the error."""
+    variables = {str(name): array.values for name, array in template.data_vars.items()}
+    done = np.zeros(run.campaign.sky_shape, bool)
+    if kept is not None:
+        done = kept.done()
+        variables = {name: kept.read(name) for name in variables}
+    run.progress(int(done.sum()), done.size)
+    for piece in _pieces(run, ~done, run.suns_per_call, _skies):
+        for sky, one in piece:
             for name, array in one.items():
                 variables[name][sky] = array
             if kept is not None:
                 kept.write(sky, one)
             done[sky] = True
-        report()
-    dataset = sky_dataset(campaign, variables)
-    if store is not None and kept is None:
-        save_dataset(dataset, store)
+        run.progress(int(done.sum()), done.size)
+    dataset = sky_dataset(run.campaign, variables)
+    if kept is not None and ERRORS in kept.attributes:
+        dataset = dataset.assign_attrs({ERRORS: kept.attributes[ERRORS]})
+        if covers(estimate_of(dataset), "all"):
+            dataset = with_errors(dataset, kept.read(ERRORS))
     return dataset
 
 
-def _jobs(done: np.ndarray, suns_per_call: int) -> list[_Job]:
-    """What is left to do."""
-    jobs = []
-    for at, row in enumerate(done):
-        left = np.flatnonzero(~row).tolist()
-        starts = range(0, len(left), suns_per_call)
-        jobs += [_Job(at, left[start : start + suns_per_call]) for start in starts]
-    return jobs
+def _estimated(run: _Run, dataset: xr.Dataset, skies: str, kept: SkyStore | None) -> xr.Dataset:
+    """A dataset with an estimate of its error from a sample of its skies, or from all."""
+    campaign, radiance = run.campaign, dataset["radiance"].values
+    chosen = sampled_skies(campaign) if skies == "sample" else np.ones(campaign.sky_shape, bool)
+    errors = np.full(radiance.shape, np.nan)
+    left, size = chosen, int(np.atleast_2d(chosen).sum(axis=1).max())
+    if skies == "all":
+        size = run.suns_per_call
+        if kept is not None:
+            errors = kept.add(ERRORS, with_errors(dataset, errors)[ERRORS])
+            left = np.isnan(errors[..., 0, 0])
+    done, total = campaign.num_skies, campaign.num_skies + int(chosen.sum())
+    run.progress(total - int(left.sum()), total)
+    for piece in _pieces(run, left, size, _coarser_skies):
+        for sky, one in piece:
+            errors[sky] = estimated_error(radiance[sky], one["radiance"])
+            if kept is not None and skies == "all":
+                kept.put(ERRORS, sky, errors[sky])
+        done = campaign.num_skies + int((chosen & np.isfinite(errors[..., 0, 0])).sum())
+        run.progress(done, total)
+    record = recorded(sum_up(campaign, skies, errors))
+    if kept is not None:
+        kept.put_attributes(record)
+    dataset = dataset.assign_attrs(record)
+    return with_errors(dataset, errors) if skies == "all" else dataset
 
 
-def _simulated(
-    campaign: Campaign, jobs: list[_Job], suns_per_call: int, workers: int
-) -> Iterator[tuple[_Job, dict[str, np.ndarray]]]:
-    """Every job with the variables of its skies, as they are ready."""
-    places = [
-        _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
-        for value in campaign.swept[1]
-    ]
+def _pieces(
+    run: _Run,
+    left: np.ndarray,
+    suns_per_call: int,
+    work: Callable[[Campaign, _Place, list[int], int], Variables],
+) -> Iterator[list[tuple[tuple[int, ...], Variables]]]:
+    """Work on the skies that are left, and yield them with their variables as they are ready."""
 
-    def work(job: _Job) -> tuple[_Job, dict[str, np.ndarray]]:
-        return job, _skies(campaign, places[job.at], job.suns, suns_per_call)
+    def done(job: _Job) -> list[tuple[tuple[int, ...], Variables]]:
+        found = work(run.campaign, run.places[job.at], job.suns, suns_per_call)
+        return [
+            ((job.at, sun)[-left.ndim :], {name: array[n] for name, array in found.items()})
+            for n, sun in enumerate(job.suns)
+        ]
 
+    jobs = _jobs(np.atleast_2d(left), suns_per_call)
     # The first job alone compiles the program; two threads would each compile it.
-    yield from map(work, jobs[: 1 if workers > 1 else None])
-    if workers == 1:
+    yield from map(done, jobs[: 1 if run.workers > 1 else None])
+    if run.workers == 1:
         return
-    pool = ThreadPoolExecutor(workers)
+    pool = ThreadPoolExecutor(run.workers)
     try:
-        running = {pool.submit(work, job) for job in jobs[1:]}
+        running = {pool.submit(done, job) for job in jobs[1:]}
         while running:
             ready, running = wait(running, return_when=FIRST_COMPLETED)
             for future in ready:
@@ -137,32 +222,55 @@ def _simulated(
         pool.shutdown(cancel_futures=True)
 
 
-def _skies(campaign: Campaign, place: _Place, suns: list[int], size: int) -> dict[str, np.ndarray]:
+def _jobs(left: np.ndarray, suns_per_call: int) -> list[_Job]:
+    """What is left to do, in pieces."""
+    jobs = []
+    for at, row in enumerate(left):
+        suns = np.flatnonzero(row).tolist()
+        starts = range(0, len(suns), suns_per_call)
+        jobs += [_Job(at, suns[start : start + suns_per_call]) for start in starts]
+    return jobs
+
+
+def _skies(campaign: Campaign, place: _Place, suns: list[int], size: int) -> Variables:
     """Variables of some suns' skies, [sun, ...]; the program always sees `size` suns."""
-    padded = suns + suns[-1:] * (size - len(suns))
-    sky = _call(campaign, place, np.array(campaign.sun_zenith)[padded])
+    sky = simulate(**_arguments(campaign, place, _suns(campaign, suns, size)))
     count = len(suns)
     by_order = None
     if campaign.keep_orders:
         by_order = np.moveaxis(np.asarray(sky.by_order), 0, 1)[:count]
     wavelengths = np.array(campaign.wavelengths)
-    return sky_variables(np.asarray(sky.radiance)[:count], wavelengths, by_order)
+    radiance = np.asarray(sky.radiance)[:count]
+    refuse_impossible(radiance, "run_campaign")
+    return sky_variables(radiance, wavelengths, by_order)
 
 
-def _call(campaign: Campaign, place: _Place, suns: np.ndarray):
-    return simulate(
-        place.atmosphere,
-        as_float(suns)[:, None],
-        as_float(campaign.view_zenith)[None, :],
-        as_float(campaign.relative_azimuth)[None, :],
-        orders=campaign.orders,
-        geometry=campaign.geometry,
-        quality=campaign.quality,
-        observer_altitude=place.altitude,
-    )
+def _coarser_skies(campaign: Campaign, place: _Place, suns: list[int], size: int) -> Variables:
+    """Radiance of the same at the next coarser sizes."""
+    arguments = _arguments(campaign, place, _suns(campaign, suns, size))
+    return {"radiance": coarser_radiance(**arguments)[: len(suns)]}
 
 
-def _shapes(campaign: Campaign) -> dict[str, tuple[int, ...]]:
+def _suns(campaign: Campaign, suns: list[int], size: int) -> np.ndarray:
+    """Zenith angles of some suns, the last as often as it takes to make `size` of them [rad]."""
+    return np.array(campaign.sun_zenith)[suns + suns[-1:] * (size - len(suns))]
+
+
+def _arguments(campaign: Campaign, place: _Place, suns: np.ndarray) -> dict[str, Any]:
+    """Arguments of the simulator for all directions under some suns."""
+    return {
+        "atmosphere": place.atmosphere,
+        "sun_zenith": as_float(suns)[:, None],
+        "view_zenith": as_float(campaign.view_zenith)[None, :],
+        "relative_azimuth": as_float(campaign.relative_azimuth)[None, :],
+        "orders": campaign.orders,
+        "geometry": campaign.geometry,
+        "quality": campaign.quality,
+        "observer_altitude": place.altitude,
+    }
+
+
+def _shapes(campaign: Campaign, place: _Place) -> dict[str, tuple[int, ...]]:
     """Shape of each variable of one sky."""
     directions, wavelengths = len(campaign.view_zenith), len(campaign.wavelengths)
     shapes: dict[str, tuple[int, ...]] = {"radiance": (directions, wavelengths)}
@@ -171,9 +279,9 @@ def _shapes(campaign: Campaign) -> dict[str, tuple[int, ...]]:
     if campaign.keep_orders:
         count = campaign.orders
         if count is None:
-            value = campaign.swept[1][0]
-            place = _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
-            sky = eqx.filter_eval_shape(_call, campaign, place, np.zeros(1))
+            one = _arguments(campaign, place, np.zeros(1))
+            air = one.pop("atmosphere")
+            sky = eqx.filter_eval_shape(lambda air: simulate(air, **one), air)
             count = sky.by_order.shape[0]
         shapes["radiance_by_order"] = (count, directions, wavelengths)
     return shapes

@@ -41,7 +41,7 @@ class SkyStore:
             refuse_another(self.path, template)
         else:
             self._create(template)
-        group = zarr.open_group(self.path, mode="r+")
+        self._group = group = zarr.open_group(self.path, mode="r+")
         self._skies = _sky_shape(template)
         self._arrays = {name: _array(group, str(name)) for name in template.data_vars}
         # A record that was saved whole has no such mark.
@@ -55,7 +55,7 @@ class SkyStore:
 
     def read(self, name: str) -> np.ndarray:
         """A variable of all skies; NaN where they are not done."""
-        return np.asarray(self._arrays[name][:])
+        return np.asarray(_array(self._group, name)[:])
 
     def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
@@ -65,12 +65,42 @@ class SkyStore:
             self._arrays[name][sky] = array
         self._done[sky] = 1
 
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Of the dataset, as they are on disk."""
+        return dict(self._group.attrs)
+
+    def put_attributes(self, attributes: dict[str, str]) -> None:
+        """Add attributes to the dataset on disk, or replace them."""
+        self._group.attrs.update(attributes)
+
+    def add(self, name: str, blank: xr.DataArray) -> np.ndarray:
+        """A variable beside those of the template, to be filled sky by sky with `put`.
+
+        Args:
+            name: Of the variable.
+            blank: NaN for every sky; written if the store has no variable of that name.
+
+        Returns:
+            What the store has of it, NaN where a sky has none.
+        """
+        if name not in self._group:
+            whole = xr.Dataset({name: blank.drop_vars(list(blank.coords))}, attrs=self.attributes)
+            chunks = {name: {"chunks": _one_sky(blank.shape, len(self._skies))}}
+            whole.to_zarr(self.path, mode="a", consolidated=False, encoding=chunks)
+        self._arrays[name] = _array(self._group, name)
+        return self.read(name)
+
+    def put(self, name: str, sky: tuple[int, ...], array: np.ndarray) -> None:
+        """Keep a variable of one sky that was added."""
+        self._arrays[name][sky] = array
+
     def _create(self, template: xr.Dataset) -> None:
         skies = _sky_shape(template)
         front = template["radiance"].dims[: len(skies)]
         marked = template.assign(done=(front, np.zeros(skies, "int8")))
         chunks = {
-            name: {"chunks": ((1,) * len(skies) + array.shape[len(skies) :])}
+            name: {"chunks": _one_sky(array.shape, len(skies))}
             for name, array in marked.data_vars.items()
         }
         # Whoever finds the store under its name finds all of it, even after a crash.
@@ -100,6 +130,11 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
 def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:
     """Sizes of what stands before direction and wavelength."""
     return tuple(template["radiance"].shape[:-2])
+
+
+def _one_sky(shape: tuple[int, ...], dims: int) -> tuple[int, ...]:
+    """Shape of a chunk that holds one sky of an array, whose skies have so many dimensions."""
+    return (1,) * dims + shape[dims:]
 
 
 def _array(group: Any, name: str) -> Any:

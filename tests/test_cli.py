@@ -55,7 +55,8 @@ def test_simulate_prints_json_on_request(campaign, tmp_path, capsys):
     store = tmp_path / "sky.nc"
     assert cli.run(["simulate", str(campaign), "--out", str(store), "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
-    assert printed == {"out": str(store), "skies": 6, "directions": 10, "wavelengths": 3}
+    counted = {"skies": 6, "directions": 10, "wavelengths": 3}
+    assert printed == {"out": str(store), **counted, "error_estimate": None}
 
 
 def test_an_interrupted_simulation_says_how_to_go_on_and_does(

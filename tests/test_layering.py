@@ -14,7 +14,8 @@ ORDER = [
     "phase_tables", "phase", "profile", "atmosphere", "preetham_air", "sun",  # what skies are of
     "description",                                            # and in the words of files
     "transfer",                                               # simulation
-    "campaign", "campaign_file", "dataset", "store", "runner", "measurements",  # records of skies
+    "campaign", "campaign_file", "error_estimate",            # which skies, and how good they are
+    "dataset", "store", "runner", "measurements",             # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
     "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
     "aerosol_fit",                                            # skies back to what they are made of

@@ -18,7 +18,8 @@ from ..atmosphere import Atmosphere
 from ..campaign import half_dome
 from ..preetham_air import preetham_atmosphere
 from ..transfer.compiling import compile_quickly
-from ..transfer.simulate_sky import simulate
+from ..transfer.simulate_sky import coarser_radiance, simulate
+from ..transfer.trust import estimated_error
 
 
 TURBIDITY, GROUND_ALBEDO = 4.0, 0.2
@@ -37,6 +38,7 @@ class Case(NamedTuple):
         spokes: Azimuths of each ring.
         wavelengths: Evenly from 380 to 780 nm.
         gradient: Measure the gradient of the summed radiance by all numbers of the atmosphere too.
+        estimate: Estimate the error by the next coarser sizes too.
         repeats: Runs after the first.
         keep: File for the radiance (.npy); none if empty.
     """
@@ -49,6 +51,7 @@ class Case(NamedTuple):
     spokes: int = 19
     wavelengths: int = 41
     gradient: bool = False
+    estimate: bool = False
     repeats: int = 3
     keep: str = ""
 
@@ -68,7 +71,8 @@ def measure(case: Case) -> dict[str, Any]:
 
     Returns:
         `seconds` (compile, run: the median) and `peak_mib` of the process; with `gradient` also
-        those of the gradient.
+        those of the gradient; with `estimate` also `estimated_error`, the largest of the radiance,
+        and `estimated_error_rms`, relative.
     """
     wavelengths = np.linspace(380.0, 780.0, case.wavelengths)
     atmosphere = preetham_atmosphere(
@@ -77,15 +81,20 @@ def measure(case: Case) -> dict[str, Any]:
     suns = np.radians(np.linspace(0.0, LOWEST_SUN_DEG, case.suns))[:, None]
     view, azimuth = case.directions()
 
+    choices: dict[str, Any] = {"orders": case.orders, "quality": case.quality}
+
     def radiance(atmosphere: Atmosphere):
-        sky = simulate(
-            atmosphere, suns, view, azimuth, orders=case.orders, quality=case.quality
-        )  # fmt: skip
-        return sky.radiance
+        return simulate(atmosphere, suns, view, azimuth, **choices).radiance
 
     record = _timed(radiance, atmosphere, case.repeats)
     if case.keep:
         np.save(case.keep, np.asarray(radiance(atmosphere), float))
+    if case.estimate:
+        coarser = coarser_radiance(atmosphere, suns, view, azimuth, **choices)
+        skies = zip(np.asarray(radiance(atmosphere)), coarser, strict=True)
+        errors = np.stack([estimated_error(sky, rough) for sky, rough in skies])
+        record["estimated_error"] = float(errors.max())
+        record["estimated_error_rms"] = float(np.sqrt(np.mean(errors**2)))
     if case.gradient:
         gradient = compile_quickly(eqx.filter_grad(lambda air: jnp.sum(radiance(air))))
         slow = _timed(gradient, atmosphere, case.repeats)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..dataset import versions
+from ..transfer.quality import QUALITIES
 from .case import Case
 
 
@@ -36,6 +37,7 @@ def run_benchmarks(
     quality: str = "default",
     *,
     accuracy: bool = True,
+    qualities: bool = False,
     gradient: bool = False,
     scaling: bool = False,
     progress: Progress | None = None,
@@ -46,24 +48,29 @@ def run_benchmarks(
         orders: Of scattering, one row each; None for all.
         precisions: 32 and 64 bits, one row each.
         quality: See `skyfit.simulate`.
-        accuracy: Compare with quality "high" in 64 bits: as many more runs as there are orders.
+        accuracy: Compare with quality "high" in 64 bits: as many more runs as there are orders;
+            and estimate the error as `simulate(..., estimate_error=True)` does.
+        qualities: Measure every quality with two orders in 64 bits, with its estimated error.
         gradient: Measure the gradient by all numbers of the atmosphere, for one sun, two orders.
         scaling: Measure the time against the number of wavelengths, rings of directions, suns and
             orders.
         progress: Called as `progress("benchmarks", done, total)`.
 
     Returns:
-        `machine`; `skies`, a row for each precision and order; `gradient` and `scaling`, rows,
-        where asked for. Times are medians in seconds, memory is the process' peak in MiB, errors
-        are the worst relative differences from quality "high" up to 75° and at 85° from the zenith,
-        the sun overhead and at 85°.
+        `machine`; `skies`, a row for each precision and order; `qualities`, `gradient` and
+        `scaling`, rows, where asked for. Times are medians in seconds, memory is the process' peak
+        in MiB, errors are the worst relative differences from quality "high" up to 75° and at 85°
+        from the zenith, the sun overhead and at 85°. `estimated_error` is the largest of all
+        directions down to the horizon, suns and wavelengths, half the distance from the next
+        coarser sizes; `estimated_error_rms` the root mean square.
     """
-    rows = [Case(n, bits, quality) for bits in precisions for n in orders]
+    rows = [Case(n, bits, quality, estimate=accuracy) for bits in precisions for n in orders]
+    each = [Case(2, 64, name, estimate=True) for name in QUALITIES] if qualities else []
     # The first and the last of the suns: quality "high" takes its time.
     exact = [Case(n, 64, "high", suns=2, repeats=0) for n in orders] if accuracy else []
     slow = [Case(2, 64, quality, suns=1, gradient=True)] if gradient else []
     grown = [(axis, size) for axis, sizes in SCALING.items() for size in sizes] if scaling else []
-    total, done = len(rows) + len(exact) + len(slow) + len(grown), 0
+    total, done = sum(map(len, (rows, exact, each, slow, grown))), 0
 
     def measured(case: Case) -> dict[str, Any]:
         nonlocal done
@@ -85,6 +92,8 @@ def run_benchmarks(
             if accuracy:
                 row |= _errors(case, np.load(mine)[[0, -1]], np.load(files[case.orders]))
             result["skies"].append(row)
+    if each:
+        result["qualities"] = [_row(case, measured(case)) for case in each]
     if slow:
         result["gradient"] = [_gradient_row(case, measured(case)) for case in slow]
     if grown:
@@ -135,6 +144,7 @@ def _row(case: Case, record: dict[str, Any]) -> dict[str, Any]:
         "processor_s_per_sky": record["processor_s"] / case.suns,
         "compile_s": record["compile_s"],
         "peak_mib": record["peak_mib"],
+        **{name: value for name, value in record.items() if name.startswith("estimated_error")},
     }
 
 

@@ -28,7 +28,7 @@ Angles = tuple[Annotated[Number, Field(ge=0, le=180)], ...]
 # Of the dataset's own; a swept parameter needs another name.
 TAKEN = {
     *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
-    *("radiance", "radiance_by_order", "luminance", "x", "y", "done"),
+    *("radiance", "radiance_by_order", "luminance", "x", "y", "done", "error_estimate"),
 }
 
 

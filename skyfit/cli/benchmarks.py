@@ -20,6 +20,14 @@ _COLUMNS = {
     "peak_mib": ("peak MiB", "{:.0f}"),
     "error_to_75_deg": ("error ≤ 75°", "{:.1e}"),
     "error_at_85_deg": ("error at 85°", "{:.1e}"),
+    "estimated_error": ("estimated", "{:.1e}"),
+}
+_QUALITIES = {
+    "quality": ("quality", "{}"),
+    **{name: _COLUMNS[name] for name in ("s_per_sky", "processor_s_per_sky", "compile_s")},
+    "peak_mib": ("peak MiB", "{:.0f}"),
+    "estimated_error": ("estimated error", "{:.1e}"),
+    "estimated_error_rms": ("RMS", "{:.1e}"),
 }
 _GRADIENT = {
     "orders": ("orders", "{}"),
@@ -63,8 +71,12 @@ _SCALING = {
     help="Size of the simulator's tables and quadratures.",
 )
 @click.option(
-    "--accuracy/--no-accuracy", default=True, help="Compare with quality high, which takes longer."
+    "--accuracy/--no-accuracy",
+    default=True,
+    help="Compare with quality high, and estimate the error by the next coarser sizes; both take "
+    "longer.",
 )
+@click.option("--qualities", is_flag=True, help="Time and estimated error of every quality.")
 @click.option("--gradient", is_flag=True, help="The gradient's time and memory too.")
 @click.option("--scaling", is_flag=True, help="Time against wavelengths, directions, suns, orders.")
 @as_json
@@ -73,6 +85,7 @@ def benchmarks(
     precision: tuple[str, ...],
     quality: str,
     accuracy: bool,
+    qualities: bool,
     gradient: bool,
     scaling: bool,
     as_json: bool,
@@ -87,6 +100,7 @@ def benchmarks(
             [int(bits) for bits in precision],
             quality,
             accuracy=accuracy,
+            qualities=qualities,
             gradient=gradient,
             scaling=scaling,
             progress=bar,
@@ -98,6 +112,7 @@ def benchmarks(
     terminal.print("; ".join(f"{name} {value}" for name, value in record["machine"].items()))
     titles = {
         "skies": (f"12 suns × 343 directions × 41 wavelengths, quality {quality}", _COLUMNS),
+        "qualities": ("Every quality, two orders, 64 bits", _QUALITIES),
         "gradient": ("Gradient by every number of the atmosphere", _GRADIENT),
         "scaling": ("Growth", _SCALING),
     }

@@ -11,9 +11,8 @@ from ..atmosphere import Atmosphere, Constituent
 from .program import Suns, orders_under_suns
 from .quality import QUALITIES, Quality, coarser
 from .trust import (
-    SHARE_OF_DISTANCE,
+    estimated_error,
     refuse_impossible,
-    relative_difference,
     warn_of_darkness,
     warn_of_error,
     warn_of_low_top,
@@ -105,15 +104,36 @@ def simulate(
         warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
     if not estimate_error:
         return sky
-    coarse = _sky(
-        atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry,
-        coarser(_sizes(orders, geometry, quality)), observer_altitude,
+    coarse = coarser_radiance(
+        atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry, quality,
+        observer_altitude,
     )  # fmt: skip
-    estimate = SHARE_OF_DISTANCE * relative_difference(radiance, np.asarray(coarse.radiance))
+    estimate = estimated_error(radiance, coarse)
     warn_of_error(estimate)
     return eqx.tree_at(
         lambda s: s.error_estimate, sky, as_float(estimate), is_leaf=lambda x: x is None
     )
+
+
+def coarser_radiance(
+    atmosphere: Atmosphere,
+    sun_zenith: ArrayLike,
+    view_zenith: ArrayLike,
+    relative_azimuth: ArrayLike,
+    orders: int | None = 2,
+    geometry: str = "spherical",
+    quality: str | Quality = "default",
+    observer_altitude: ArrayLike = 0.0,
+) -> np.ndarray:
+    """Radiance at the sizes next coarser than a quality's, as it comes out [W m⁻² sr⁻¹ nm⁻¹].
+
+    Takes what `simulate` takes; for `estimated_error`.
+    """
+    sky = _sky(
+        atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry,
+        coarser(_sizes(orders, geometry, quality)), observer_altitude,
+    )  # fmt: skip
+    return np.asarray(sky.radiance)
 
 
 def _not_below_zero(sky: Sky, radiance: np.ndarray, night: np.ndarray) -> tuple[Sky, np.ndarray]:

@@ -48,11 +48,33 @@ def warn_of_darkness(count: int, size: int) -> None:
 def relative_difference(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """How much two results differ, of the finer one; by wavelength of `[..., wavelength]`.
 
-    What is darker than a ten-thousandth of the brightest direction is compared with that.
+    What is darker than a ten-thousandth of the brightest direction is compared with that; where
+    all directions are black, the difference is 1 unless both results are.
     """
     brightest = np.max(fine, axis=tuple(range(fine.ndim - 1)), keepdims=True)
-    floor = np.maximum(np.maximum(fine, _DIM * brightest), 1e-300)
-    return np.abs(fine - coarse) / floor
+    floor, off = np.maximum(fine, _DIM * brightest), np.abs(fine - coarse)
+    return np.where(floor > 0, off / np.where(floor > 0, floor, 1.0), off > 0)
+
+
+def estimated_error(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
+    """Estimate of a radiance's relative error from that at the next coarser sizes.
+
+    Half of `relative_difference`: no bound, and blind to what all sizes have in common.
+
+    Args:
+        fine: Of one or more skies, [..., wavelength].
+        coarse: The same at the next coarser sizes.
+
+    Raises:
+        ValueError: The coarser radiance is not finite.
+    """
+    if not np.isfinite(coarse).all():
+        count = int((~np.isfinite(coarse)).sum())
+        raise ValueError(
+            f"simulate: {count} of {coarse.size} radiances at the coarser sizes are not finite; "
+            "the error cannot be estimated by them"
+        )
+    return SHARE_OF_DISTANCE * relative_difference(fine, coarse)
 
 
 def warn_of_error(estimate: np.ndarray) -> None:
