@@ -58,4 +58,4 @@ def test_all_orders_over_a_plane_are_those_of_discrete_ordinates(sun_deg, albedo
     view = np.arccos(-mu[downward])[:, None]
     sky = skyfit.simulate(atmosphere, sun, view, azimuth, orders=None, geometry="flat")
     # Default quality keeps 8e-4 here; it promises 0.5 %.
-    np.testing.assert_allclose(sky.radiance[..., 0], want, rtol=1e-3)
+    np.testing.assert_allclose(sky.radiance[..., 0], want, rtol=5e-4)
