@@ -1,6 +1,6 @@
 """Nodes on a stretch of a ray, where the light comes from.
 
-A stretch is cut into panels of equal importance, and where the density has its strongest kinks.
+A stretch is cut into panels of equal importance; kinks of the density are important by themselves.
 """
 
 from collections.abc import Callable
@@ -19,8 +19,7 @@ from .quadrature import gauss
 
 NODES = 3  # Gauss nodes on each panel
 _FADE = 0.4  # importance follows transmittance to this power, which also tells of dim parts
-_FAINT = 1e-9  # change of optical depth by a kink, over a panel, that is none
-_AHEAD = 0.1  # a kink stronger by this share than the next is the end of a panel
+_BEND = 0.01  # change of optical depth by a kink, over a panel, that counts half
 _NEAR_END = 1e-3  # of a stretch; a kink there is weaker
 _THINNING = 50.0  # how much closer nodes lie at the lowest point than far from it, by themselves
 
@@ -82,7 +81,7 @@ def sample(
         start: Nearer to the lowest point [m].
         end: Farther from it [m].
         panels: How many.
-        kinks: So many of the density's strongest are ends of panels besides.
+        kinks: Panels besides, of which one ends at each of the density's strongest.
         dimming: Optical depth [edge, sun, few] towards each of what shines, at the medium's telling
             wavelengths, given the altitudes [m] of points and their distances from the eye [m].
     """
@@ -108,11 +107,7 @@ def sample(
     at, column = crossings(medium, leg, start, end)
     even = undo(at)
     importance, light = _importance(medium, leg, at, column, even, dimming)
-    share = jnp.arange(1, panels, dtype=even.dtype) / panels
-    ends = jnp.asarray([0.0, 1.0], even.dtype)
-    cuts = jnp.concatenate([ends[:1], jnp.interp(share, importance, even), ends[1:]])
-    kinked = _kinks(medium, leg, at, even, light, importance, panels, kinks)
-    cuts = jnp.sort(jnp.concatenate([cuts, kinked]))
+    cuts = _cuts(medium, leg, at, even, light, importance, panels, kinks)
     gauss_nodes, gauss_weights = (jnp.asarray(g, even.dtype) for g in gauss(NODES))
     width = jnp.diff(cuts)[:, None]
     x = (cuts[:-1, None] + width * gauss_nodes[None]).ravel()
@@ -159,22 +154,28 @@ def _importance(medium, leg, at, column, even, dimming):
     return running / whole, jnp.mean(light, axis=1)
 
 
-def _kinks(medium, leg, at, even, light, importance, panels, count):
-    """Where the strongest kinks of the density are that are seen, by the even coordinate.
+def _cuts(medium, leg, at, even, light, importance, panels, kinks):
+    """Ends of panels of equal importance, by the even coordinate.
 
-    One that is hardly stronger than the next, which is left out, lies on the way to the start:
-    where two change places nothing jumps.
+    A kink of the density that is seen is as important as a whole panel: one ends there. Of more
+    kinks than there is room for each counts in part, so that where they change nothing jumps.
     """
+    count = panels + kinks
     slant = medium.planet.mu_at_level(leg.altitude, leg.mu, medium.edges)
     # How wide panels are about each edge, by the even coordinate.
     wider, more = (jnp.pad(a[2:] - a[:-2], 1, mode="edge") for a in (even, importance))
     width = jnp.minimum(wider / jnp.maximum(panels * more, 1e-9), 1.0)
-    strength = medium.kink * slant * light * (width * (at[-1] - at[0])) ** 2
+    bend = medium.kink * slant * light * (width * (at[-1] - at[0])) ** 2
+    strong = bend**2 / (bend**2 + _BEND**2)
     # Those beyond the ends were moved to them, but for rounding.
-    strength = strength * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
-    strength, which = jax.lax.top_k(strength, count + 1)
-    ahead = 1 - (strength[-1] + _FAINT) / (strength[:-1] + _FAINT)
-    return jnp.clip(ahead / _AHEAD, 0.0, 1.0) * even[which[:-1]]
+    strong = strong * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
+    strong = strong * (kinks / jnp.maximum(jnp.sum(strong), kinks))
+    passed = jnp.cumsum(strong)
+    smooth = importance * (count - passed[-1])
+    steps = jnp.stack([smooth + passed - strong, smooth + passed], axis=1).ravel()
+    inner = jnp.arange(1, count, dtype=even.dtype)
+    inner = jnp.interp(inner, steps, jnp.repeat(even, 2))
+    return jnp.pad(inner, 1, constant_values=(0.0, 1.0))
 
 
 def _inside(

@@ -28,11 +28,11 @@ class Quality(NamedTuple):
 
     Attributes:
         view_panels: Of three nodes each along a line of sight, each lit stretch.
-        view_kinks: Kinks of the density at which panels end besides.
+        view_kinks: More of them; one ends at each of the density's strongest kinks.
         column_angles: Table of columns towards the sun, in its zenith angle.
         levels: Altitudes at which the light field is kept for the higher orders.
         field_panels: Of three nodes each along a ray that ends at a level.
-        field_kinks: Kinks of the density at which these end besides.
+        field_kinks: More of them, likewise.
         first: Directions of the first order's field, as sharp as the phase functions.
         higher: Directions of the later orders' fields: each scattering smooths them. Neither its
             degree nor its modes may exceed those of `first`.
@@ -101,8 +101,8 @@ QUALITIES = {
         view_kinks=6,
         column_angles=64,
         levels=16,
-        field_panels=4,
-        field_kinks=3,
+        field_panels=3,
+        field_kinks=4,
         first=Directions(up=18, limb=4, down=10, azimuths=1, degree=20, modes=20),
         higher=Directions(up=10, limb=3, down=6, azimuths=20, degree=20, modes=18),
         sun_azimuths=3,
