@@ -16,8 +16,8 @@ from .geometry import AbstractPlanet, Spherical
 from .optics import Optics
 
 
-_SHELLS = 40
-_SHELL_GROWTH = 6.0  # shells at (e^{6x} - 1)/(e⁶ - 1) of the top: 24 m to 8.6 km deep under 60 km
+_SHELLS = 32
+_SHELL_GROWTH = 6.0  # shells at (e^{6x} - 1)/(e⁶ - 1) of the top: 30 m to 10 km deep under 60 km
 _ALIKE = 0.03  # wavelengths whose optical depths differ by so much count as one
 _LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
 # Shares of that coordinate: altitude alone, optical depth, what dims light from above and below.

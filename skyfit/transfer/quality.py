@@ -103,7 +103,7 @@ QUALITIES = {
         levels=16,
         field_panels=3,
         field_kinks=4,
-        first=Directions(up=18, limb=4, down=10, azimuths=1, degree=20, modes=20),
+        first=Directions(up=18, limb=4, down=8, azimuths=1, degree=20, modes=20),
         higher=Directions(up=10, limb=3, down=6, azimuths=20, degree=20, modes=18),
         sun_azimuths=3,
         sun_offsets_deg=(-3.0, 0.0, 3.0),
