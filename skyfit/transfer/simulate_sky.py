@@ -8,6 +8,7 @@ from jaxtyping import Array, ArrayLike, Float
 
 from .._typing import as_float, check, is_traced
 from ..atmosphere import Atmosphere, Constituent
+from .line_classes import by_line_class
 from .program import Suns, orders_under_suns
 from .quality import QUALITIES, Quality, coarser
 from .trust import (
@@ -161,12 +162,14 @@ def _sky(
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
     if suns != "near" and geometry != "flat":
         sizes = sizes.at_sunset() if suns == "low" else sizes.at_dusk()
+    plain, classes = by_line_class(atmosphere)
     by_order, total = orders_under_suns(
-        _widened(atmosphere), views, count=orders,
+        _widened(plain), views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
     )  # fmt: skip
-    by_order, total = shape.restore(by_order), shape.restore(total)[0]
+    by_order, total = (shape.restore(classes.mean(light)) for light in (by_order, total))
+    total = total[0]
     return Sky(by_order, total - jnp.sum(by_order, axis=0) if orders is None else 0 * total)
 
 
