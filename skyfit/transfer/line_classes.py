@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from .._typing import Spectrum
+from .._typing import Spectrum, as_float
 from ..atmosphere import Atmosphere, Constituent
 from ..phase import AbstractPhaseFunction
 from .program import orders_under_suns
@@ -103,9 +103,13 @@ def line_classes(atmosphere: Atmosphere) -> LineClasses:
     """The classes of an atmosphere's bands; a single one if it has none."""
     bands = [one.bands for one in atmosphere.constituents if one.bands is not None]
     place = tuple(sorted({at for some in bands for at in some.place}))
-    lam = atmosphere.wavelengths
-    weights = bands[0].weights if place else jnp.ones(1, lam.dtype)
-    return LineClasses(weights, place, lam.size)
+    width = atmosphere.wavelengths.size
+    return LineClasses(bands[0].weights, place, width) if place else all_alike(width)
+
+
+def all_alike(width: int) -> LineClasses:
+    """The one class of wavelengths or colours without bands."""
+    return LineClasses(as_float([1.0]), (), width)
 
 
 def side_by_side(atmosphere: Atmosphere) -> tuple[Atmosphere, LineClasses]:
