@@ -66,7 +66,11 @@ class Bands(eqx.Module):
             factor: 0 or more.
         """
         times = as_scalar(factor, "Bands.scaled(factor=...)")
-        times = check(times, lambda v: ~((v >= 0) & (v < np.inf)), "Bands.scaled: factor below 0")
+        times = check(
+            times,
+            lambda v: ~((v >= 0) & (v < np.inf)),
+            "Bands.scaled(factor=...) must be 0 or more",
+        )
         return eqx.tree_at(lambda b: b.strength, self, times * self.strength)
 
     def transmittance(self, column: ArrayLike) -> Float[Array, " wavelength"]:

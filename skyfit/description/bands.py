@@ -20,7 +20,7 @@ such paths, not for the air above a summit.
 
 import numpy as np
 
-from .._typing import ArrayLike
+from .._typing import ArrayLike, Scalar, as_scalar, check
 from ..atmosphere import Constituent
 from ..bands import Bands
 from ..constants import TOP_OF_ATMOSPHERE
@@ -62,7 +62,8 @@ def water_vapour(
     """
     density = Exponential(WATER_VAPOUR_HEIGHT) if density is None else density
     bands = water_vapour_bands(wavelengths, 1.0, 1.0)
-    return _absorber(density, bands.scaled(precipitable_water / density.column(top_altitude)))
+    water = _amount(precipitable_water, "water_vapour(precipitable_water=...)", "m")
+    return _absorber(density, bands.scaled(water / density.column(top_altitude)))
 
 
 def oxygen(
@@ -88,7 +89,8 @@ def oxygen(
     """
     density = StandardAtmosphere() if density is None else density
     bands = mixed_gas_bands(wavelengths, 1.0)
-    return _absorber(density, bands.scaled(pressure_ratio / density.column(top_altitude)))
+    pressure = _amount(pressure_ratio, "oxygen(pressure_ratio=...)", "")
+    return _absorber(density, bands.scaled(pressure / density.column(top_altitude)))
 
 
 def water_vapour_bands(wavelengths: ArrayLike, precipitable_water: float, column: float) -> Bands:
@@ -120,6 +122,11 @@ def mixed_gas_bands(wavelengths: ArrayLike, column: float, pressure_ratio: float
     """
     depth = _coefficient("mixed_gases", wavelengths) * pressure_ratio
     return _bands(_MIXED_SCALE * depth / column)
+
+
+def _amount(value: ArrayLike, name: str, unit: str) -> Scalar:
+    message = f"{name} must be 0 {unit}".rstrip() + " or more"
+    return check(as_scalar(value, name), lambda v: ~((v >= 0) & (v < np.inf)), message)
 
 
 def _absorber(density: AbstractProfile, bands: Bands) -> Constituent:

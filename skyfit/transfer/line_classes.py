@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from .._typing import Spectrum, as_float
+from .._typing import as_float
 from ..atmosphere import Atmosphere, Constituent
 from ..phase import AbstractPhaseFunction
 from .program import orders_under_suns
@@ -139,7 +139,7 @@ def without_bands(
     same = np.array_equal(wavelength, np.arange(atmosphere.wavelengths.size))
     width = atmosphere.wavelengths.shape
 
-    def pick(spectrum: Float[Array, " #wavelength"]) -> Spectrum:
+    def pick(spectrum: Float[Array, " #wavelength"]) -> Float[Array, " channel"]:
         spectrum = jnp.broadcast_to(spectrum, width)
         return spectrum if same else spectrum[wavelength]
 
