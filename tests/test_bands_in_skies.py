@@ -69,9 +69,7 @@ def by_hand(numbers, at):
     return Atmosphere(apart, SUN[at], (*plain_constituents(at), *absorbers), ALBEDO[at])
 
 
-@pytest.mark.parametrize(
-    ("orders", "geometry"), [(1, "flat"), (2, "spherical"), (3, "flat")]
-)
+@pytest.mark.parametrize(("orders", "geometry"), [(1, "flat"), (2, "spherical"), (3, "flat")])
 def test_a_sky_is_the_weighted_mean_over_classes_of_lines(orders, geometry):
     choice = {"orders": orders, "geometry": geometry, "quality": "draft"}
     got = skyfit.simulate(atmosphere(vapour(), skyfit.oxygen(LAM)), 1.1, VIEW, AZIMUTH, **choice)
@@ -162,7 +160,7 @@ def test_direct_sunlight_is_dimmed_as_bird_and_riordan_say(sun, through):
 def test_the_optical_depth_is_that_of_the_mean_transmittance():
     dry, wet = atmosphere().optical_depth(), atmosphere(vapour()).optical_depth()
     np.testing.assert_array_equal(wet[:2], dry)
-    x = 2.0 * np.array([0.0, 0.01492, 1.8 + 0.7 * 2 / 6.4])  # linear between the table's rows
+    x = 2.0 * np.array([0.0, 0.016, 1.8 + 0.7 * 2 / 6.4])  # linear between the table's rows
     np.testing.assert_allclose(wet[2], 0.2385 * x / (1 + 20.07 * x) ** 0.45, atol=1.1e-3)
 
 
@@ -191,7 +189,8 @@ def test_an_atmosphere_with_bands_goes_through_jit_vmap_and_grad():
     np.testing.assert_allclose(jax.vmap(light)(both), want, rtol=1e-9)
     slopes = eqx.filter_grad(lambda air: light(air).sum())(one)
     assert slopes.constituents[2].bands.strength.shape == (6, 2)
-    assert (np.asarray(slopes.constituents[2].bands.strength) < 0).all()
+    # Of the last class the air is black: what it has is rounding.
+    assert (np.asarray(slopes.constituents[2].bands.strength)[:5] < 0).all()
 
 
 def test_bands_made_inside_a_program_are_those_made_outside():
@@ -247,7 +246,7 @@ def test_aerial_perspective_dims_by_the_mean_of_the_classes():
         model = skyfit.aerial_perspective(one, lambda z, a: light, 0.9)
         seen[name] = np.asarray(model.transmittance([2e3, 2e4], np.pi / 2))
     column = np.array([[2e3], [2e4]]) / (2e3 * (1 - np.exp(-30)))
-    x = 2.0 * column * np.array([0.0, 0.01492, 1.8 + 0.7 * 2 / 6.4])
+    x = 2.0 * column * np.array([0.0, 0.016, 1.8 + 0.7 * 2 / 6.4])
     want = np.exp(-0.2385 * x / (1 + 20.07 * x) ** 0.45)
     np.testing.assert_allclose(seen["wet"] / seen["dry"], want, atol=1.1e-3)
     constant = skyfit.ward_larson_aerial(air, lambda z, a: np.full((1, 3), 0.01), 0.9)
