@@ -32,12 +32,14 @@ if TYPE_CHECKING:
     )
     from .aerosol_fit import AerosolFit as AerosolFit, fit_aerosol as fit_aerosol
     from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
+    from .bands import Bands as Bands
     from .benchmark import run_benchmarks as run_benchmarks
     from .campaign import Campaign as Campaign
     from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
     from .description import PaperAtmosphere as PaperAtmosphere
+    from .description.bands import oxygen as oxygen, water_vapour as water_vapour
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
@@ -97,12 +99,14 @@ _NAMES = {
     ),
     "aerosol_fit": ("AerosolFit", "fit_aerosol"),
     "atmosphere": ("Atmosphere", "Constituent"),
+    "bands": ("Bands",),
     "benchmark": ("run_benchmarks",),
     "campaign": ("Campaign",),
     "campaign_file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
     "description": ("PaperAtmosphere",),
+    "description.bands": ("oxygen", "water_vapour"),
     "export": ("export_fit",),
     "fitting": (
         "Dependence",

@@ -8,7 +8,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, Scalar, Spectrum, as_parameter, as_scalar, as_wavelengths, check
+from ._typing import (
+    ArrayLike,
+    Scalar,
+    Spectrum,
+    as_parameter,
+    as_scalar,
+    as_wavelengths,
+    check,
+    is_traced,
+)
+from .bands import Bands
 from .constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
 from .phase import AbstractPhaseFunction
 from .profile import AbstractProfile
@@ -23,12 +33,14 @@ class Constituent(eqx.Module):
             one per wavelength.
         absorption: The same for absorption [m⁻¹].
         phase: Into which directions it scatters.
+        bands: What it absorbs besides, by lines too narrow for the wavelengths; None for nothing.
     """
 
     density: AbstractProfile
     scattering: Float[Array, " #wavelength"]
     absorption: Float[Array, " #wavelength"]
     phase: AbstractPhaseFunction
+    bands: Bands | None
 
     def __init__(
         self,
@@ -37,15 +49,26 @@ class Constituent(eqx.Module):
         absorption: ArrayLike = 0.0,
         *,
         phase: AbstractPhaseFunction,
+        bands: Bands | None = None,
     ):
         self.density = density
         self.scattering = _coefficient(scattering, "scattering")
         self.absorption = _coefficient(absorption, "absorption")
         self.phase = phase
+        self.bands = bands
 
     @property
     def extinction(self) -> Float[Array, " #wavelength"]:
-        """Scattering plus absorption coefficient [m⁻¹]."""
+        """Scattering plus absorption coefficient [m⁻¹].
+
+        Raises:
+            ValueError: It absorbs in bands too, for which no one coefficient stands.
+        """
+        if self.bands is not None:
+            raise ValueError(
+                "extinction: a constituent absorbs in bands, which have no one coefficient; take "
+                "one class of lines at a time as skyfit.transfer.line_classes does"
+            )
         return self.scattering + self.absorption
 
 
@@ -106,6 +129,7 @@ class Atmosphere(eqx.Module):
                         f"Atmosphere: constituents[{number}].{name} has {width} wavelengths, "
                         f"expected 1 or {lam.size} as in wavelengths"
                     )
+        _check_bands(self.constituents, lam.size)
 
     @property
     def scattering(self) -> Float[Array, "species wavelength"]:
@@ -114,7 +138,11 @@ class Atmosphere(eqx.Module):
 
     @property
     def extinction(self) -> Float[Array, "species wavelength"]:
-        """Extinction coefficients where each density is 1 [m⁻¹]."""
+        """Extinction coefficients where each density is 1 [m⁻¹].
+
+        Raises:
+            ValueError: Some constituent absorbs in bands, for which no one coefficient stands.
+        """
         return self._stack([one.extinction for one in self.constituents])
 
     def density(self, altitude: Float[Array, "*batch"]) -> Float[Array, "*batch species"]:
@@ -132,11 +160,38 @@ class Atmosphere(eqx.Module):
         return jnp.stack([one.density.column(self.top_altitude) for one in self.constituents])
 
     def optical_depth(self) -> Float[Array, "species wavelength"]:
-        """Vertical optical depth of each constituent [1]."""
-        return self.vertical_column()[:, None] * self.extinction
+        """Vertical optical depth of each constituent [1].
+
+        Of bands it is -ln of their mean transmittance, and not half of it for half the column.
+        """
+        column = self.vertical_column()
+        plain = self.scattering + self._stack([one.absorption for one in self.constituents])
+        depth = column[:, None] * plain
+        for number, one in enumerate(self.constituents):
+            if one.bands is not None:
+                depth = depth.at[number].add(one.bands.optical_depth(column[number]))
+        return depth
 
     def _stack(self, spectra) -> Float[Array, "species wavelength"]:
         return jnp.stack([jnp.broadcast_to(s, self.wavelengths.shape) for s in spectra])
+
+
+def _check_bands(constituents: Sequence[Constituent], width: int) -> None:
+    """Expect bands of the atmosphere's wavelengths, and classes of lines that all share."""
+    found = [(n, one.bands) for n, one in enumerate(constituents) if one.bands is not None]
+    for number, bands in found:
+        if bands.width != width:
+            raise ValueError(
+                f"Atmosphere: constituents[{number}].bands has {bands.width} wavelengths, expected "
+                f"{width} as in wavelengths"
+            )
+        first, one = found[0][1].weights, bands.weights
+        same = first.shape == one.shape
+        if not same or not (is_traced(first, one) or np.allclose(first, one, rtol=1e-5)):
+            raise ValueError(
+                f"Atmosphere: constituents[{number}].bands has other weights than those of "
+                f"constituents[{found[0][0]}]; expected the same classes of lines in all"
+            )
 
 
 def _length(value: ArrayLike, name: str) -> Scalar:

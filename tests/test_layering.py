@@ -11,7 +11,8 @@ import skyfit
 ORDER = [
     "_typing", "constants", "tables",                         # numbers
     "spectrum", "colour", "angles",                           # light and directions
-    "phase_tables", "phase", "profile", "atmosphere", "preetham_air", "sun",  # what skies are of
+    "phase_tables", "phase", "profile", "bands",              # what skies are made of
+    "atmosphere", "preetham_air", "sun",
     "description",                                            # and in the words of files
     "transfer",                                               # simulation
     "campaign", "campaign_file", "error_estimate",            # which skies, and how good they are

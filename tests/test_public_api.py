@@ -16,6 +16,7 @@ PUBLIC = {
     "AerosolFit",
     "AerialPerspective",
     "Atmosphere",
+    "Bands",
     "Campaign",
     "ConstantAmbient",
     "Constituent",
@@ -49,6 +50,7 @@ PUBLIC = {
     "load_dataset",
     "load_fit",
     "overcast_blend_sky",
+    "oxygen",
     "perez_all_weather_sky",
     "perez_clear_sky",
     "positivity",
@@ -69,6 +71,7 @@ PUBLIC = {
     "sun_xyY",
     "sunlight",
     "ward_larson_aerial",
+    "water_vapour",
 }
 MODULES = {"angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity"}
 

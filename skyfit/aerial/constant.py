@@ -82,10 +82,13 @@ def ward_larson_aerial(
     """
     check_channels(channels, "ward_larson_aerial")
     sun = one_sun(sun_zenith, "ward_larson_aerial")
-    air, layers = layered_air(atmosphere, wavelengths, None, "ward_larson_aerial")
+    found = layered_air(atmosphere, wavelengths, None, "ward_larson_aerial")
+    air, classes = found.atmosphere, found.classes
     overhead = np.zeros(1)
     zenith = sky_radiance(sky, air, sun, overhead, overhead, "ward_larson_aerial")[0]
-    extinction = jnp.sum(layers.extinction, axis=0)
+    extinction = jnp.sum(found.layers.extinction, axis=0)
+    if classes.place:
+        extinction = -jnp.log(classes.mean(jnp.exp(-extinction * KILOMETRE))) / KILOMETRE
     if channels == "rgb":
         seen = jnp.exp(-extinction * KILOMETRE)
         extinction = -jnp.log(mean_by_response(seen, air)) / KILOMETRE

@@ -28,7 +28,8 @@ class Layers(eqx.Module):
 
     Attributes:
         scale_height: Of each [m].
-        extinction: Coefficient at altitude 0 [m⁻¹]; a channel is a wavelength or a primary.
+        extinction: Coefficient at altitude 0 [m⁻¹]; a channel is a wavelength or a primary, or a
+            wavelength as one class of lines sees it.
     """
 
     scale_height: Float[Array, " species"]
@@ -55,6 +56,9 @@ def exponential_layers(atmosphere: Atmosphere) -> Layers:
     An exponential profile is taken as it is. Any other is replaced by the exponential of the same
     density at the ground and the same column up to 10 km; one that is empty at the ground, such as
     an ozone layer, has no part in aerial perspective.
+
+    Args:
+        atmosphere: Without bands; see `skyfit.transfer.line_classes.side_by_side`.
     """
     pairs = [_as_exponential(one.density) for one in atmosphere.constituents]
     ground = jnp.stack([density for density, _ in pairs])

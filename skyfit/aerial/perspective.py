@@ -7,10 +7,12 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
 from ..atmosphere import Atmosphere
+from ..transfer.line_classes import LineClasses, all_alike
 from . import closed, integrals, layers as along
 from .base import AbstractAerialPerspective
 from .layers import Layers
 from .scene import (
+    Air,
     Sky,
     check_channels,
     layered_air,
@@ -22,6 +24,7 @@ from .scene import (
 from .source import Source, make_source, sky_directions, sunlight_at_ground
 
 
+BAND_LENGTH = 10e3  # m; of the paths over which bands dim linear sRGB as they should
 METHODS = {
     "quadrature": integrals.by_quadrature,
     "paper": closed.as_published,
@@ -34,17 +37,19 @@ class AerialPerspective(AbstractAerialPerspective):
     """Exponential layers of air and haze under the light of a sun and any sky.
 
     Attributes:
-        layers: Air and haze.
+        layers: Air and haze; in bands, as every class of lines sees them.
         source: What they scatter towards the eye at the ground.
         wavelengths: Of the channels, or of the spectra from which the RGB was made [nm].
         method: How the path integrals are taken: "quadrature", or for comparison "paper",
             "equation 10" or "hermite".
         channels: "spectral" or "rgb".
+        classes: Of lines, over which spectral light is averaged.
     """
 
     layers: Layers
     source: Source
     wavelengths: Spectrum
+    classes: LineClasses
     method: str = eqx.field(static=True)
     channels: str = eqx.field(static=True)
 
@@ -64,12 +69,13 @@ class AerialPerspective(AbstractAerialPerspective):
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives; arguments as `apply`."""
         s, view, height = _rays(distance, view_zenith, eye_height)
-        return _transmittance(self.layers, s, view, height)
+        return _transmittance(self, s, view, height)
 
 
 @jax.jit
-def _transmittance(layers, distance, view, height):
-    return along.transmittance(layers, along.stretch(layers, distance, jnp.cos(view), height))
+def _transmittance(model: AerialPerspective, distance, view, height):
+    ray = along.stretch(model.layers, distance, jnp.cos(view), height)
+    return model.classes.mean(along.transmittance(model.layers, ray))
 
 
 @jax.jit
@@ -77,7 +83,8 @@ def _split(model: AerialPerspective, distance, view, azimuth, height):
     ray = along.stretch(model.layers, distance, jnp.cos(view), height)
     paths = METHODS[model.method](model.layers, ray)
     glow = jnp.moveaxis(model.source(view, azimuth), -2, 0)
-    return along.transmittance(model.layers, ray), jnp.sum(glow * paths, axis=0)
+    seen, light = along.transmittance(model.layers, ray), jnp.sum(glow * paths, axis=0)
+    return model.classes.mean(seen), model.classes.mean(light)
 
 
 def aerial_perspective(
@@ -95,6 +102,10 @@ def aerial_perspective(
 
     The air is a flat pile of exponential layers, and the light on it that at the ground: Preetham
     et al. (1999), section 4. Good to distances of some hundred kilometres from heights of a few.
+
+    Bands are taken class of lines by class of lines. Light of a sky or sun that is given has the
+    same strength in all of them, as if it had come through no band; in linear sRGB bands dim as
+    they do on average over 10 km.
 
     Args:
         atmosphere: A turbidity, for air and haze of `preetham_atmosphere` with the paper's scale
@@ -119,24 +130,32 @@ def aerial_perspective(
         raise ValueError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
     check_channels(channels, "aerial_perspective")
     sun = one_sun(sun_zenith, "aerial_perspective")
-    air, layers = layered_air(atmosphere, wavelengths, ground_albedo, "aerial_perspective")
-    light = sky_radiance(sky, air, sun, *sky_directions(), "aerial_perspective")
-    if sun_irradiance is None:
-        direct = sunlight_at_ground(air, sun)
+    air = layered_air(atmosphere, wavelengths, ground_albedo, "aerial_perspective")
+    plain, layers, classes = air.plain, air.layers, air.classes
+    lam = air.atmosphere.wavelengths
+    if sky is None:
+        light = sky_radiance(None, plain, sun, *sky_directions(), "aerial_perspective")
     else:
-        direct = jnp.broadcast_to(as_float(sun_irradiance), air.wavelengths.shape)
-    ground = layers.extinction / jnp.maximum(air.extinction, 1e-30)
-    source = make_source(air, ground * air.scattering, light, sun, direct)
+        light = sky_radiance(sky, air.atmosphere, sun, *sky_directions(), "aerial_perspective")
+        light = classes.repeated(light)
+    if sun_irradiance is None:
+        direct = sunlight_at_ground(plain, sun)
+    else:
+        direct = classes.repeated(jnp.broadcast_to(as_float(sun_irradiance), lam.shape))
+    ground = layers.extinction / jnp.maximum(plain.extinction, 1e-30)
+    source = make_source(plain, ground * plain.scattering, light, sun, direct)
     if channels == "rgb":
-        layers, source = _in_rgb(layers, source, air)
-    return AerialPerspective(layers, source, air.wavelengths, method, channels)
+        layers, source = _in_rgb(air, source)
+        classes = all_alike(3)
+    return AerialPerspective(layers, source, lam, classes, method, channels)
 
 
-def _in_rgb(layers: Layers, source: Source, air: Atmosphere) -> tuple[Layers, Source]:
+def _in_rgb(air: Air, source: Source) -> tuple[Layers, Source]:
     """Three channels in place of the spectrum: exact colours of the sources, mean extinctions."""
-    weights = rgb_weights(air.wavelengths)
-    rgb = Source(source.sun_zenith, source.sun @ weights, source.sky @ weights)
-    return Layers(layers.scale_height, mean_by_response(layers.extinction, air)), rgb
+    weights = rgb_weights(air.atmosphere.wavelengths)
+    sun, sky = (air.classes.mean(table) @ weights for table in (source.sun, source.sky))
+    extinction = mean_by_response(air.layers_over(BAND_LENGTH).extinction, air.atmosphere)
+    return Layers(air.layers.scale_height, extinction), Source(source.sun_zenith, sun, sky)
 
 
 def _rays(*values: ArrayLike) -> list[Float[Array, "..."]]:

@@ -1,17 +1,19 @@
 """What every model of aerial perspective is given: air, a sky, a sun, channels."""
 
 from collections.abc import Callable
-from typing import cast
+from typing import NamedTuple, cast
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Scalar, Spectrum, as_float, as_scalar, check
-from ..atmosphere import Atmosphere
+from ..atmosphere import Atmosphere, Constituent
 from ..colour import xyz_to_rgb, xyz_weights
 from ..models import AbstractSkyModel
 from ..preetham_air import preetham_atmosphere
+from ..transfer.line_classes import LineClasses, line_classes, side_by_side
 from ..transfer.simulate_sky import simulate
 from .layers import PAPER_SCALE_HEIGHTS, Layers, exponential_layers
 
@@ -19,12 +21,34 @@ from .layers import PAPER_SCALE_HEIGHTS, Layers, exponential_layers
 Sky = AbstractSkyModel | Callable[[Array, Array], Array] | None
 
 
+class Air(NamedTuple):
+    """What lies between eye and object.
+
+    Attributes:
+        atmosphere: As it was given.
+        plain: The same without bands: a channel for every wavelength and class of lines.
+        layers: Of the latter, exponential.
+        classes: Which channels make up a wavelength.
+    """
+
+    atmosphere: Atmosphere
+    plain: Atmosphere
+    layers: Layers
+    classes: LineClasses
+
+    def layers_over(self, length: float) -> Layers:
+        """Layers with one coefficient for all classes of lines: their mean over a path [m]."""
+        if not self.classes.place:
+            return self.layers
+        return exponential_layers(_smoothed(self.atmosphere, length))
+
+
 def layered_air(
     atmosphere: Atmosphere | ArrayLike,
     wavelengths: ArrayLike | None,
     ground_albedo: ArrayLike | None,
     caller: str,
-) -> tuple[Atmosphere, Layers]:
+) -> Air:
     """An atmosphere, or that of a turbidity, and its exponential layers.
 
     Raises:
@@ -36,11 +60,28 @@ def layered_air(
             wavelengths=wavelengths,
             ground_albedo=0.0 if ground_albedo is None else ground_albedo,
         )
-        return air, Layers(as_float(list(PAPER_SCALE_HEIGHTS)), air.extinction)
+        layers = Layers(as_float(list(PAPER_SCALE_HEIGHTS)), air.extinction)
+        return Air(air, air, layers, line_classes(air))
     for name, value in (("wavelengths", wavelengths), ("ground_albedo", ground_albedo)):
         if value is not None:
             raise ValueError(f"{caller}({name}=...): the atmosphere has its own; got {value!r}")
-    return atmosphere, exponential_layers(atmosphere)
+    plain, classes = side_by_side(atmosphere)
+    return Air(atmosphere, plain, exponential_layers(plain), classes)
+
+
+def _smoothed(atmosphere: Atmosphere, length: float) -> Atmosphere:
+    """An atmosphere whose bands are absorption that dims a path at density 1 as they do."""
+
+    def smooth(one: Constituent) -> Constituent:
+        if one.bands is None:
+            return one
+        absorption = one.absorption + one.bands.optical_depth(length) / length
+        return eqx.tree_at(
+            lambda c: (c.absorption, c.bands), one, (absorption, None), is_leaf=lambda x: x is None
+        )
+
+    changed = tuple(map(smooth, atmosphere.constituents))
+    return eqx.tree_at(lambda a: a.constituents, atmosphere, changed)
 
 
 def one_sun(sun_zenith: ArrayLike, caller: str) -> Scalar:

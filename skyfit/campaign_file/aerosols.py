@@ -11,11 +11,13 @@ from .parts import (
     Gas,
     Name,
     NitrogenDioxide,
+    Oxygen,
     OxygenDimer,
     Ozone,
     PreethamAir,
     Profile,
     Standard,
+    WaterVapour,
 )
 from .section import Section
 
@@ -157,6 +159,8 @@ Constituent = Annotated[
     | Ozone
     | NitrogenDioxide
     | OxygenDimer
+    | WaterVapour
+    | Oxygen
     | Gas
     | PreethamHaze
     | AngstromAerosol

@@ -151,6 +151,24 @@ class OxygenDimer(Section):
     profile: Profile = Standard(kind="us_standard_1976")
 
 
+class WaterVapour(Section):
+    """Water vapour, after Bird & Riordan (1986); its scale height is that of ITU-R P.835."""
+
+    name: Name
+    kind: Literal["water_vapour"]
+    precipitable_water_cm: Annotated[ZeroOrMore, Field(le=20)]
+    profile: Profile = Exponential(kind="exponential", scale_height_m=2000.0)
+
+
+class Oxygen(Section):
+    """Oxygen's own bands, after Bird & Riordan (1986). The profile is that of the air."""
+
+    name: Name
+    kind: Literal["oxygen"]
+    pressure_ratio: ZeroOrMore = 1.0
+    profile: Profile = Standard(kind="us_standard_1976")
+
+
 class Gas(Section):
     """Any gas: it scatters after Rayleigh, and may absorb.
 

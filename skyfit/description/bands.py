@@ -1,4 +1,4 @@
-"""Bands of water vapour and oxygen: absorption by lines too narrow for the spectrum's sampling.
+"""Bands of water vapour and oxygen in the visible, as classes of lines.
 
 Averaged over a band, light of such lines does not fade exponentially along its path: the strongest
 lines are soon black, the weak ones last. Bird & Riordan (1986), "Simple solar spectral model for
@@ -12,45 +12,85 @@ after Leckner (1978), Solar Energy 20, 143, with x the band's absorption coeffic
 absorber in the path. Both are mixtures of exponentials, Σ w exp(-κ x), and nearly the same one: a
 band is described by a few classes of lines, each of which does fade exponentially.
 
-To simulate a sky, simulate it once per class, with that class's absorption added as that of an
-absorber that does not scatter, and take the mean of the radiances (and of the transmittances)
-weighted with `weights`. That is, the wavelength axis is repeated for every class; one copy is
-enough where the absorption is 0. Water vapour and mixed gases share their weights: one set of
-copies serves both. (Strong lines of the one then coincide with strong lines of the other, which
-matters at no wavelength where both absorb much.)
+Water vapour and mixed gases share their weights. (Strong lines of the one then coincide with strong
+lines of the other, which matters at no wavelength where both absorb much.) The formulas are made
+for paths through the whole atmosphere: that lines narrow with height is in them on the average of
+such paths, not for the air above a summit.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from jaxtyping import Float
 
-from .._typing import ArrayLike
+from .._typing import ArrayLike, Scalar, as_scalar, check
+from ..atmosphere import Constituent
+from ..bands import Bands
+from ..constants import TOP_OF_ATMOSPHERE
+from ..phase import Rayleigh
+from ..profile import AbstractProfile, Exponential, StandardAtmosphere
 from ..tables import read_table
 from .spectra import Wavelengths
 
 
-Weights = Float[np.ndarray, " line_class"]
-
+# m; Recommendation ITU-R P.835, "Reference standard atmospheres": ρ(h) = 7.5 g/m³ exp(-h / 2 km).
+WATER_VAPOUR_HEIGHT = 2e3
+LONGEST = 800.0  # nm; the tables end here
 # Of x in Bird & Riordan's formulas; times the strengths of the table they are κ.
 _WATER_SCALE, _MIXED_SCALE = 20.07, 118.93
 _CENTIMETRES = 100.0  # in a metre
 
 
-class Bands(NamedTuple):
-    """An absorber by classes of its lines.
+def water_vapour(
+    wavelengths: ArrayLike,
+    precipitable_water: ArrayLike,
+    density: AbstractProfile | None = None,
+    top_altitude: ArrayLike = TOP_OF_ATMOSPHERE,
+) -> Constituent:
+    """Water vapour with its bands at 593, 690, 720 and 800 nm, after Bird & Riordan (1986).
 
-    Attributes:
-        weights: Share of the spectrum that each class has; adds up to 1.
-        absorption: Of each class, where the relative density is 1 [m⁻¹].
+    T = exp(-0.2385 x / (1 + 20.07 x)^0.45), x being the band's coefficient (2.5 cm⁻¹ at 724 nm)
+    times the water in the path, is met within 0.001 up to x = 500. Without absorption below 580 nm;
+    the weak band at 650 nm is not in the table.
+
+    Args:
+        wavelengths: Those of the atmosphere, up to 800 [nm].
+        precipitable_water: Depth of all the vapour above the ground as liquid, 0 or more: 0.005 in
+            dry winters, 0.05 in the tropics [m].
+        density: Exponential with a scale height of 2 km if not given.
+        top_altitude: Of the atmosphere [m].
+
+    Raises:
+        ValueError: There are wavelengths beyond 800 nm, or a negative amount.
     """
+    density = Exponential(WATER_VAPOUR_HEIGHT) if density is None else density
+    bands = water_vapour_bands(wavelengths, 1.0, 1.0)
+    water = _amount(precipitable_water, "water_vapour(precipitable_water=...)", "m")
+    return _absorber(density, bands.scaled(water / density.column(top_altitude)))
 
-    weights: Weights
-    absorption: Float[np.ndarray, "line_class wavelength"]
 
-    def transmittance(self, column: float) -> Wavelengths:
-        """Mean over the classes of what a column [m at relative density 1] lets pass."""
-        return self.weights @ np.exp(-column * self.absorption)
+def oxygen(
+    wavelengths: ArrayLike,
+    pressure_ratio: ArrayLike = 1.0,
+    density: AbstractProfile | None = None,
+    top_altitude: ArrayLike = TOP_OF_ATMOSPHERE,
+) -> Constituent:
+    """Oxygen with its bands at 690 and 762 nm, after Bird & Riordan (1986).
+
+    T = exp(-1.41 x / (1 + 118.93 x)^0.45), x being the band's coefficient (4 at 762.5 nm) times the
+    air mass, is met within 0.001 up to x = 500. Without absorption below 680 nm. Pairs of molecules
+    are another constituent, "oxygen_dimer" of campaign files.
+
+    Args:
+        wavelengths: Those of the atmosphere, up to 800 [nm].
+        pressure_ratio: Pressure at the ground over the standard's, 0 or more.
+        density: That of the U.S. Standard Atmosphere if not given.
+        top_altitude: Of the atmosphere [m].
+
+    Raises:
+        ValueError: There are wavelengths beyond 800 nm, or a negative pressure.
+    """
+    density = StandardAtmosphere() if density is None else density
+    bands = mixed_gas_bands(wavelengths, 1.0)
+    pressure = _amount(pressure_ratio, "oxygen(pressure_ratio=...)", "")
+    return _absorber(density, bands.scaled(pressure / density.column(top_altitude)))
 
 
 def water_vapour_bands(wavelengths: ArrayLike, precipitable_water: float, column: float) -> Bands:
@@ -84,6 +124,15 @@ def mixed_gas_bands(wavelengths: ArrayLike, column: float, pressure_ratio: float
     return _bands(_MIXED_SCALE * depth / column)
 
 
+def _amount(value: ArrayLike, name: str, unit: str) -> Scalar:
+    message = f"{name} must be 0 {unit}".rstrip() + " or more"
+    return check(as_scalar(value, name), lambda v: ~((v >= 0) & (v < np.inf)), message)
+
+
+def _absorber(density: AbstractProfile, bands: Bands) -> Constituent:
+    return Constituent(density, 0.0, phase=Rayleigh(), bands=bands)
+
+
 def _bands(scaled: Wavelengths) -> Bands:
     table = read_table("bird1986_band_distribution")
     return Bands(table["weight"], table["strength"][:, None] * scaled)
@@ -94,4 +143,8 @@ def _coefficient(column: str, wavelengths: ArrayLike) -> Wavelengths:
     table = read_table("bird1986_line_absorption")
     given = np.isfinite(table[column])
     lam = np.atleast_1d(np.asarray(wavelengths, float))
+    if not (lam <= LONGEST).all():
+        raise ValueError(
+            f"bands of water vapour and oxygen are known up to {LONGEST:g} nm; got {lam.max():g}"
+        )
     return np.interp(lam, table["wavelength_nm"][given], table[column][given])

@@ -1,4 +1,4 @@
-"""Gases: air, the paper's air, absorbers by their cross-sections, and any other gas."""
+"""Gases: air, the paper's air, absorbers by their cross-sections or bands, and any other gas."""
 
 from typing import NamedTuple
 
@@ -10,12 +10,14 @@ from ..phase import Rayleigh
 from ..preetham_air import rayleigh_scattering, table2
 from ..profile import AbstractProfile, Squared
 from ..tables import read_table
+from .bands import oxygen, water_vapour
 from .profiles import build_profile
 from .spectra import Part, Wavelengths, spectrum_at
 
 
 DOBSON_UNIT = 1e-5  # m of pure gas at NTP
-GASES = ("air", "preetham_air", "gas", "ozone", "nitrogen_dioxide", "oxygen_dimer")
+BANDED = ("water_vapour", "oxygen")
+GASES = ("air", "preetham_air", "gas", "ozone", "nitrogen_dioxide", "oxygen_dimer", *BANDED)
 NITROGEN_DIOXIDE_AT = 220.0, 294.0  # K, of the two columns of Vandaele et al. (1998)
 CARBON_DIOXIDE = 0.036  # % of air by volume; Bodhaine et al. (1999) have 360 ppm
 
@@ -29,6 +31,11 @@ class Coefficients(NamedTuple):
 
 def build_gas(part: Part, wavelengths: Wavelengths, top: float) -> Constituent:
     """The constituent a table of a campaign file describes; it scatters after Rayleigh."""
+    if part["kind"] == "water_vapour":
+        water = part["precipitable_water_cm"] * 1e-2
+        return water_vapour(wavelengths, water, gas_profile(part), top)
+    if part["kind"] == "oxygen":
+        return oxygen(wavelengths, part["pressure_ratio"], gas_profile(part), top)
     found = gas_coefficients(part, wavelengths, top)
     return Constituent(gas_profile(part), *found, phase=_phase(part, wavelengths))
 
@@ -40,7 +47,7 @@ def gas_profile(part: Part) -> AbstractProfile:
 
 
 def gas_coefficients(part: Part, wavelengths: Wavelengths, top: float) -> Coefficients:
-    """Coefficients of a gas.
+    """Coefficients of a gas, without bands.
 
     Args:
         part: Its table.
@@ -60,6 +67,7 @@ def gas_coefficients(part: Part, wavelengths: Wavelengths, top: float) -> Coeffi
     if kind in ("ozone", "nitrogen_dioxide"):
         depth = _vertical_absorption(part, wavelengths)
         return Coefficients(none, depth / float(gas_profile(part).column(top)))
+    # Gases with bands have nothing else: no line of them is near the wavelength of visibilities.
     scattering, absorption = none, none
     if "scattering_per_m" in part:
         scattering = _fourth_power(part, part["scattering_per_m"], wavelengths)

@@ -222,7 +222,7 @@ def only(atmosphere: Atmosphere, number: int) -> Atmosphere:
     """The atmosphere in which one constituent scatters and the others only dim, over black."""
 
     def dimmed(one: Constituent) -> Constituent:
-        absorption = one.extinction + 0 * one.scattering
+        absorption = one.absorption + one.scattering  # bands besides stay as they are
         return eqx.tree_at(
             lambda c: (c.scattering, c.absorption), one, (0 * one.scattering, absorption)
         )

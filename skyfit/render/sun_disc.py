@@ -12,6 +12,7 @@ from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from ..constants import SUN_SOLID_ANGLE
 from ..transfer.geometry import Ray, Spherical, SunDirection
+from ..transfer.line_classes import side_by_side
 from ..transfer.medium import make_medium
 from ..transfer.paths import column_along, legs
 from .cameras import AbstractCamera
@@ -78,14 +79,15 @@ def disc_radiance(
         altitude: Of the eye [m].
     """
     planet = Spherical(atmosphere.planet_radius, atmosphere.top_altitude)
-    medium = make_medium(atmosphere, planet)
+    plain, classes = side_by_side(atmosphere)
+    medium = make_medium(plain, planet)
     ray = Ray(altitude, jnp.cos(sun_zenith), jnp.sin(sun_zenith))
     start, _, meets = planet.enter(ray, SunDirection.from_angles(sun_zenith, 1 + 0 * sun_zenith))
     none = jnp.zeros_like(altitude)
     falling, rising, strikes = legs(planet, start.altitude, start.mu, none + jnp.inf)
     column = column_along(medium, falling, none, falling.length)
     column = column + column_along(medium, rising, none, rising.length)
-    seen = jnp.where(meets, jnp.exp(-column @ atmosphere.extinction), 1.0)
+    seen = jnp.where(meets, classes.mean(jnp.exp(-column @ plain.extinction)), 1.0)
     dark = meets & strikes
     return jnp.where(dark, 0.0, seen) * atmosphere.solar_irradiance / SUN_SOLID_ANGLE
 

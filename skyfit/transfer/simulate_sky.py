@@ -7,8 +7,9 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from .._typing import as_float, check, is_traced
-from ..atmosphere import Atmosphere, Constituent
-from .program import Suns, orders_under_suns
+from ..atmosphere import Atmosphere
+from .line_classes import orders_with_bands
+from .program import Suns
 from .quality import QUALITIES, Quality, coarser
 from .trust import (
     estimated_error,
@@ -181,25 +182,13 @@ def _sky(
         suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
     if suns != "near" and geometry != "flat":
         sizes = sizes.at_sunset() if suns == "low" else sizes.at_dusk()
-    by_order, total = orders_under_suns(
-        _widened(atmosphere), views, count=orders,
+    by_order, total = orders_with_bands(
+        atmosphere, views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
     )  # fmt: skip
     by_order, total = shape.restore(by_order), shape.restore(total)[0]
     return Sky(by_order, total - jnp.sum(by_order, axis=0) if orders is None else 0 * total)
-
-
-def _widened(atmosphere: Atmosphere) -> Atmosphere:
-    """The same with every coefficient at every wavelength, however it was given: one program."""
-
-    def wide(one: Constituent) -> Constituent:
-        shape = atmosphere.wavelengths.shape
-        spectra = jnp.broadcast_to(one.scattering, shape), jnp.broadcast_to(one.absorption, shape)
-        return eqx.tree_at(lambda c: (c.scattering, c.absorption), one, spectra)
-
-    constituents = tuple(wide(one) for one in atmosphere.constituents)
-    return eqx.tree_at(lambda a: a.constituents, atmosphere, constituents)
 
 
 def _choose(near, a, b):
