@@ -25,7 +25,7 @@ from .single import along_path, dimming, from_ground
 
 
 _THICK = 1.5  # optical depth between levels
-_SWING = 1.7  # sum of sizes of cubic weights between even nodes, at most
+_SWING = 2.2  # sum of sizes of cubic weights between even nodes, at most
 _KINKS = 4  # of the density that lie on levels
 _WEAK, _STRONG = 0.02, 0.1  # change of optical depth by a kink, over the distance of levels
 
@@ -151,21 +151,29 @@ def _levels(medium: Medium, count: int) -> tuple[Float[Array, " level"], Bool[Ar
     """
     even = jnp.linspace(0, 1, count, dtype=medium.edges.dtype)
     altitude = jnp.interp(even, medium.coordinate, medium.edges)
-    altitude = altitude.at[0].set(0.0).at[-1].set(medium.planet.top)
     gap = jnp.interp(medium.edges, 0.5 * (altitude[1:] + altitude[:-1]), jnp.diff(altitude))
     inside = (medium.edges > 0) & (medium.edges < medium.planet.top)
     strength = jnp.where(inside, medium.kink * gap**2, 0.0)
     strength, which = jax.lax.top_k(strength, min(_KINKS, count - 2))
     places = jnp.arange(count)
     taken = (places == 0) | (places == count - 1)
+    fixed, edge_of = even, jnp.where(places == 0, 0, medium.edges.size - 1)
     kinked = jnp.zeros_like(taken)
     for one, edge in zip(strength, which, strict=True):
-        distance = jnp.where(taken, jnp.inf, jnp.abs(even - medium.coordinate[edge]))
+        place = medium.coordinate[edge]
+        distance = jnp.where(taken, jnp.inf, jnp.abs(even - place))
         moved = (places == jnp.argmin(distance)) & (one > _WEAK)
-        altitude = jnp.where(moved, medium.edges[edge], altitude)
+        fixed, edge_of = jnp.where(moved, place, fixed), jnp.where(moved, edge, edge_of)
         taken, kinked = taken | moved, kinked | (moved & (one > _STRONG))
-    order = jnp.argsort(altitude)
-    altitude, kinked = altitude[order], kinked[order]
+    # Those that were moved in the order of altitude, the others evenly between them.
+    order = jnp.argsort(jnp.where(taken, fixed, jnp.inf))[jnp.cumsum(taken) - 1]
+    fixed, edge_of, kinked = fixed[order], edge_of[order], kinked[order] & taken
+    low = jax.lax.cummax(jnp.where(taken, places, 0))
+    high = jax.lax.cummin(jnp.where(taken, places, count - 1), reverse=True)
+    share = (places - low) / jnp.maximum(high - low, 1)
+    level = fixed[low] + share.astype(fixed.dtype) * (fixed[high] - fixed[low])
+    altitude = jnp.interp(level, medium.coordinate, medium.edges)
+    altitude = jnp.where(taken, medium.edges[edge_of], altitude)
     # Through much air between two levels light falls by more than a cubic follows.
     depth = jnp.max(-jnp.diff(medium.above_altitude(altitude) @ medium.telling.T, axis=0), axis=1)
     no = jnp.zeros(1, bool)

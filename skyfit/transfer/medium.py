@@ -22,6 +22,7 @@ _ALIKE = 0.03  # wavelengths whose optical depths differ by so much count as one
 _LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
 # Shares of that coordinate: altitude alone, optical depth, what dims light from above and below.
 _BY_ALTITUDE, _BY_DEPTH, _BY_DIMMING = 0.5, 0.25, 0.25
+_DEEP = 8.0  # optical depth of which half that share's due is given
 
 
 class Medium(eqx.Module):
@@ -199,7 +200,7 @@ def _mixed(
     altitude = jnp.log1p(share * growth) / _LEVEL_GROWTH
     total = total.reshape((1,) * (depth.ndim - 1) + (-1,))
     below = total - depth
-    by_depth = below / jnp.maximum(total, 1.0)
+    by_depth = below / (1 + total / _DEEP)
     # Light from above and from below fades by these.
     dimmed = jnp.exp(-depth) - jnp.exp(-total) + 1 - jnp.exp(-below)
     return (
