@@ -125,18 +125,23 @@ def find_sun(bending, altitude, zenith):
         above the air and without extinction: 0 where no ray arrives.
     """
     highest = grazing(bending, altitude)
-    lit = zenith < shoot(bending, altitude, highest)[0]
+    horizon = shoot(bending, altitude, highest)[0]
+    lit = zenith < horizon
     count = lit.sum()
     h, want = altitude[lit], zenith[lit]
-    seen = np.minimum(want, highest[lit])
-    for _ in range(12):
+    # Light from higher up is bent less: the ray lies between these, and Newton's steps stay there.
+    low, high = want - (horizon - highest)[lit], np.minimum(want, highest[lit])
+    seen = high
+    for _ in range(25):
         both = shoot(bending, np.tile(h, 2), np.concatenate([seen, seen - NEIGHBOUR]))
         out, columns = both[0], both[1][:count]
         rate = (out[:count] - out[count:]) / NEIGHBOUR
         miss = out[:count] - want
         if np.all(np.abs(miss) < 1e-9):
             break
-        seen = np.minimum(seen - miss / rate, highest[lit])
+        low, high = np.where(miss < 0, seen, low), np.where(miss < 0, high, seen)
+        seen = seen - miss / rate
+        seen = np.where((seen >= low) & (seen <= high), seen, 0.5 * (low + high))
     assert np.all(np.abs(miss) < 1e-7), np.abs(miss).max()
     found = np.zeros_like(zenith), np.zeros((len(zenith), columns.shape[1])), np.zeros_like(zenith)
     # A ring of rays about the sun's axis: what enters it above the air is what passes below.

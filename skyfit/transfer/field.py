@@ -21,6 +21,7 @@ from .medium import Medium
 from .nodes import sample
 from .quadrature import gauss, lagrange_weights, safe_sqrt
 from .quality import Directions, Quality
+from .refraction import apparent
 from .single import along_path, dimming, from_ground
 
 
@@ -231,18 +232,19 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         jnp.tile(jnp.asarray(around, grid.mu.dtype), len(telling)),
     )
     optics = medium.optics
-    sun_up, sun_sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
+    ahead = SunDirection.from_angles(grid.sun_zenith, jnp.ones_like(grid.sun_zenith))
 
     def at_level(level):
         altitude, mu, weight = level
         fan = make_fan(medium, altitude, mu, directions)
+        seen, _ = apparent(medium.planet, ahead, altitude + 0 * ahead.up)
 
         def along(ray, leg, start, offset):
             shade = dimming(columns, ray, shades)
             path = sample(
                 medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade
             )
-            return along_path(columns, ray, leg, path, offset, suns, orders=1)[0]
+            return along_path(columns, ray, leg, path, offset, suns, orders=1, follow=False)[0]
 
         def ground_along(ray, leg, to_ground):
             under = partial(from_ground, columns, ray, leg.low_distance, to_ground)
@@ -265,7 +267,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
             scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
             seen = legendre(degree, modes, mu, sine)
-            lit = legendre(degree, modes, sun_up, sun_sine)
+            lit = legendre(degree, modes, seen.up, seen.ahead)
             source = jnp.einsum("mls,lw->mlsw", lit, scaled)
             phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
         modes = max(phase.shape[0] for phase in phases)
