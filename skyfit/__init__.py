@@ -31,7 +31,11 @@ if TYPE_CHECKING:
         ward_larson_aerial as ward_larson_aerial,
     )
     from .aerosol_fit import AerosolFit as AerosolFit, fit_aerosol as fit_aerosol
-    from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
+    from .atmosphere import (
+        Atmosphere as Atmosphere,
+        Constituent as Constituent,
+        Refraction as Refraction,
+    )
     from .benchmark import run_benchmarks as run_benchmarks
     from .campaign import Campaign as Campaign
     from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
@@ -96,7 +100,7 @@ _NAMES = {
         "ward_larson_aerial",
     ),
     "aerosol_fit": ("AerosolFit", "fit_aerosol"),
-    "atmosphere": ("Atmosphere", "Constituent"),
+    "atmosphere": ("Atmosphere", "Constituent", "Refraction"),
     "benchmark": ("run_benchmarks",),
     "campaign": ("Campaign",),
     "campaign_file": ("load_atmosphere", "load_campaign"),

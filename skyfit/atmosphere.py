@@ -8,7 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ._typing import ArrayLike, Scalar, Spectrum, as_parameter, as_scalar, as_wavelengths, check, is_traced
+from ._typing import (
+    ArrayLike,
+    Scalar,
+    Spectrum,
+    as_parameter,
+    as_scalar,
+    as_wavelengths,
+    check,
+    is_traced,
+)
 from .constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
 from .phase import AbstractPhaseFunction
 from .profile import AbstractProfile
@@ -65,7 +74,9 @@ class Refraction(eqx.Module):
     def __init__(self, refractivity: ArrayLike, density: AbstractProfile):
         name = "Refraction(refractivity=...)"
         value = as_scalar(refractivity, name)
-        self.refractivity = check(value, lambda v: ~((v >= 0) & (v < 0.1)), f"{name} must be 0 to 0.1")
+        self.refractivity = check(
+            value, lambda v: ~((v >= 0) & (v < 0.1)), f"{name} must be 0 to 0.1"
+        )
         self.density = density
 
 

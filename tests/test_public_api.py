@@ -22,6 +22,7 @@ PUBLIC = {
     "Dependence",
     "FormulaFit",
     "PaperAtmosphere",
+    "Refraction",
     "Sensitivity",
     "SkyFit",
     "aerial_perspective",

@@ -214,7 +214,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
     through the turning vertical, over a plane not at all.
     """
     medium, directions = columns.medium, quality.first
-    order = directions.modes
+    order, optics = directions.modes, medium.optics
     nodes = 1 if isinstance(medium.planet, Flat) else quality.sun_azimuths
     cos_nodes = np.cos(np.pi * np.arange(nodes) / max(nodes - 1, 1))
     to_modes = np.linalg.inv(np.polynomial.chebyshev.chebvander(cos_nodes, nodes - 1))
@@ -231,13 +231,12 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         jnp.repeat(grid.sun_zenith[np.array(telling)], len(around)),
         jnp.tile(jnp.asarray(around, grid.mu.dtype), len(telling)),
     )
-    optics = medium.optics
     ahead = SunDirection.from_angles(grid.sun_zenith, jnp.ones_like(grid.sun_zenith))
 
     def at_level(level):
         altitude, mu, weight = level
         fan = make_fan(medium, altitude, mu, directions)
-        seen, _ = apparent(medium.planet, ahead, altitude + 0 * ahead.up)
+        beam, _ = apparent(medium.planet, ahead, altitude + 0 * ahead.up)
 
         def along(ray, leg, start, offset):
             shade = dimming(columns, ray, shades)
@@ -267,7 +266,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
             scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
             seen = legendre(degree, modes, mu, sine)
-            lit = legendre(degree, modes, seen.up, seen.ahead)
+            lit = legendre(degree, modes, beam.up, beam.ahead)
             source = jnp.einsum("mls,lw->mlsw", lit, scaled)
             phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
         modes = max(phase.shape[0] for phase in phases)

@@ -23,12 +23,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
-from ..atmosphere import Atmosphere, Refraction
-from ..profile import AbstractProfile
+from ..atmosphere import Atmosphere
 from .columns import SunColumns, sun_columns
 from .geometry import AbstractPlanet, Ray, Spherical, SunDirection
 from .medium import make_medium
 from .quadrature import cubic_stencil
+from .unbending import Straightened, Turning, Unbending
 
 
 _ROWS, _ANGLES = 40, 112  # of the table of bending: altitudes, zenith angles of the sun
@@ -37,98 +37,11 @@ _NEWTON = 12  # steps; what is found changes by its square
 _LOOKS, _HALVINGS = 48, 44  # for the shadow's edges on a ray
 
 
-class Unbending(eqx.Module):
-    """From altitudes h to those over which rays are straight, h', and back.
-
-    Attributes:
-        refraction: Of the atmosphere.
-        radius: Of the planet [m].
-        top: Above it there is nothing [m].
-    """
-
-    refraction: Refraction
-    radius: Scalar
-    top: Scalar
-
-    def index(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
-        """Index of refraction at altitudes [m]; 1 above the top."""
-        return 1 + jnp.where(altitude <= self.top, self._excess(altitude), 0.0)
-
-    def straighten(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
-        """h' of altitudes [m]; outside, where nothing bends, as far above the top as before."""
-        inside = jnp.minimum(altitude, self.top)
-        excess = self._excess(inside)
-        below = excess - self._excess(jnp.zeros_like(inside))
-        return altitude + excess * inside + below * self.radius
-
-    def restore(self, straight: Float[Array, "*b"]) -> Float[Array, "*b"]:
-        """Altitudes [m] of h'."""
-        still = jax.tree.map(jax.lax.stop_gradient, self)
-        goal = jax.lax.stop_gradient(straight)
-
-        def nearer(_, altitude):
-            return altitude + (goal - still.straighten(altitude)) * still.shrinking(altitude)
-
-        found = jax.lax.fori_loop(0, _NEWTON, nearer, goal)
-        # One more step, which knows the slopes.
-        return found + (straight - self.straighten(found)) * still.shrinking(found)
-
-    def shrinking(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
-        """dh/dh' at altitudes [m]: 1/(n + r dn/dr)."""
-        excess, slope = self._with_slope(altitude)
-        return 1 / (1 + excess + (self.radius + altitude) * slope)
-
-    def turning(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
-        """K at altitudes [m]: how much faster the vertical turns than on a straight ray."""
-        excess, slope = self._with_slope(altitude)
-        steep = (self.radius + altitude) * slope / (1 + excess)
-        return -steep / (1 + steep)
-
-    def _excess(self, altitude):
-        return self.refraction.refractivity * self.refraction.density(altitude)
-
-    def _with_slope(self, altitude):
-        return jax.jvp(self._excess, (altitude,), (jnp.ones_like(altitude),))
-
-
-class _Straightened(AbstractProfile):
-    """A density over h', by which columns along straight rays are those along bent ones."""
-
-    base: AbstractProfile
-    over: Unbending
-
-    def __call__(self, altitude):
-        """Relative density [1] times dr/dr'."""
-        true = self.over.restore(altitude)
-        return self.base(true) * self.over.shrinking(true)
-
-    def knots(self):
-        """Of the density and of the refraction, over h' [m]."""
-        both = self.base.knots(), self.over.refraction.density.knots()
-        return self.over.straighten(jnp.minimum(jnp.concatenate(both), self.over.top))
-
-
-class _Turning(AbstractProfile):
-    """K (R'/r')² over h': what turns the vertical, as a density."""
-
-    over: Unbending
-    radius: Scalar
-
-    def __call__(self, altitude):
-        """Relative density [1]."""
-        return self.over.turning(self.over.restore(altitude)) / (1 + altitude / self.radius) ** 2
-
-    def knots(self):
-        """Of the refraction, over h' [m]."""
-        knots = self.over.refraction.density.knots()
-        return self.over.straighten(jnp.minimum(knots, self.over.top))
-
-
 class Refracting(Spherical):
     """A sphere over whose altitudes h' rays are straight, and what it takes to find the sun.
 
     Attributes:
-        bending: Columns of `_Turning`.
+        bending: Columns of `Turning`.
         by_sun: How much light is bent up to each altitude, over the sine of the true zenith angle
             of the sun; over what that angle is less than the horizon's.
         at_horizon: How much light is bent that just passes the ground [rad].
@@ -221,20 +134,21 @@ class Refracting(Spherical):
     def _by_sun(self, altitude, above):
         """Bending over the sine of the true zenith angle, and how it changes with `above`."""
         row, across = self._rows(altitude)
-        flat = self.by_sun.ravel()
-        shape = jnp.broadcast_shapes(altitude.shape, above.shape)
 
         def look(above):
             held = jnp.clip(above, 0.0, _WIDE)
             position = jnp.log1p(held / _NARROW) / float(np.log1p(_WIDE / _NARROW))
-            column, along = cubic_stencil(position * (_ANGLES - 1), _ANGLES)
-            total = jnp.zeros(shape, above.dtype)
-            for i, a in enumerate(across):
-                for k, b in enumerate(along):
-                    total = total + a * b * _at(flat, (row + i) * _ANGLES + column + k)
-            return total
+            return cubic_stencil(position * (_ANGLES - 1), _ANGLES)
 
-        return jax.jvp(look, (above,), (jnp.ones_like(above),))
+        (column, along), (_, slopes) = jax.jvp(look, (above,), (jnp.ones_like(above),))
+        first = row * _ANGLES + column
+        steps = np.arange(4)[:, None] * _ANGLES + np.arange(4)[None]
+        near = _at(
+            self.by_sun.ravel(),
+            jnp.reshape(first, (*first.shape, 1, 1)) + steps.reshape((1,) * first.ndim + (4, 4)),
+        )
+        near = jnp.sum(near * _last(across)[..., None], axis=-2)
+        return jnp.sum(near * _last(along), axis=-1), jnp.sum(near * _last(slopes), axis=-1)
 
     def _rows(self, altitude):
         return cubic_stencil(self.stretch(jnp.minimum(altitude, self.top)) * (_ROWS - 1), _ROWS)
@@ -245,9 +159,10 @@ class Refracting(Spherical):
         along = (self.radius + ray.altitude) * ray.sine / self.radius**2
         falls = ray.mu < 0
         _, lowest = self.lowest(ray.altitude, jnp.where(falls, ray.mu, 0.0))
-        start = self._column(ray.altitude, ray.mu)
+        # Both at once: less to compile.
+        begin = jnp.stack([ray.altitude, lowest]), jnp.stack([ray.mu, jnp.zeros_like(lowest)])
+        start, under = self._column(*begin)
         end = self._column(altitude, mu)
-        under = self._column(lowest, jnp.zeros_like(lowest))
         passed = jnp.where(mu < 0, end - start, 2 * under - start - end)
         return along * jnp.where(falls, passed, start - end)
 
@@ -285,15 +200,21 @@ def straightened(atmosphere: Atmosphere, angles: int) -> tuple[Atmosphere, Refra
     over = Unbending(atmosphere.refraction, atmosphere.planet_radius, atmosphere.top_altitude)
     none = jnp.zeros_like(over.top)
     radius, top = over.index(none) * over.radius, over.straighten(over.top)
+    # Knots of the refraction that no density has; a knot twice would look like a strong kink.
+    knots, others = atmosphere.refraction.density.knots(), atmosphere.knots()
+    known = jnp.any(knots[:, None] == others[None], axis=1)
+    own = jnp.where(known, over.top, knots)
     constituents = tuple(
-        eqx.tree_at(lambda c: c.density, one, _Straightened(one.density, over))
-        for one in atmosphere.constituents
+        eqx.tree_at(lambda c: c.density, one, Straightened(one.density, over, bends))
+        for one, bends in zip(
+            atmosphere.constituents, [own] + [own[:0]] * len(atmosphere.constituents), strict=False
+        )
     )
     straight = eqx.tree_at(
         lambda a: (a.constituents, a.planet_radius, a.top_altitude), atmosphere,
         (constituents, radius, top),
     )  # fmt: skip
-    turning = eqx.tree_at(lambda c: c.density, constituents[0], _Turning(over, radius))
+    turning = eqx.tree_at(lambda c: c.density, constituents[0], Turning(over, radius))
     matter = eqx.tree_at(lambda a: a.constituents, straight, (turning,))
     plain = Spherical(radius, top)
     columns = sun_columns(make_medium(matter, plain), angles)
@@ -328,7 +249,9 @@ def _tables(
 
     def rate(found):
         columns, altitude, true, _ = still
-        return jax.jvp(lambda z: bent(columns, altitude, z), (true - found,), (jnp.ones_like(true),))
+        return jax.jvp(
+            lambda z: bent(columns, altitude, z), (true - found,), (jnp.ones_like(true),)
+        )
 
     def nearer(_, found):
         here, slope = rate(found)
@@ -346,6 +269,10 @@ def _tables(
 def _zenith_of(horizon):
     """Zenith angle of a horizon by its cosine, which is small [rad]."""
     return np.pi / 2 - jnp.arcsin(horizon)
+
+
+def _last(parts):
+    return jnp.stack(parts, axis=-1)
 
 
 def _at(table, index):

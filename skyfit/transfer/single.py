@@ -94,9 +94,12 @@ def along_path(
     )
     if spread is not None and follow:
         phases = _phases_along(columns.medium, ray, path.distance.reshape(wide), seen, sun)
-        lit = [jnp.stack(kinds) * phase for phase in phases]
+        lit = [jnp.stack(kinds) * phase[None] for phase in phases]
         return jnp.stack(
-            [jnp.einsum("n,kn...->k...", w, one) for w, one in zip(path.weight.T, lit, strict=True)],
+            [
+                jnp.einsum("n,kn...->k...", w, one)
+                for w, one in zip(path.weight.T, lit, strict=True)
+            ],
             axis=1,
         )
     flat = [path.weight.T @ kind.reshape(path.distance.size, -1) for kind in kinds]
