@@ -83,10 +83,8 @@ def test_rays_to_the_horizon_touch_the_ground():
 def test_sun_appears_where_the_twin_finds_it_and_as_bright(altitude):
     atm = hazy(2.8e-4)
     _, planet, over = straightened(atm, 64)
-    true = np.radians([0.0, 30.0, 70.0, 88.0, 90.0, 90.4])
-    seen, _, spread = bent_twin.find_sun(
-        twin_of(atm, 2.8e-4), np.full(true.shape, altitude), true
-    )
+    true = np.radians([0.5, 30.0, 70.0, 88.0, 90.0, 90.4])
+    seen, _, spread = bent_twin.find_sun(twin_of(atm, 2.8e-4), np.full(true.shape, altitude), true)
     sun = skyfit.transfer.geometry.SunDirection.from_angles(jnp.asarray(true), jnp.ones(6))
     got, bright = planet.appear(sun, over.straighten(jnp.full(6, altitude)))
     index = float(over.index(jnp.array(altitude)))
@@ -134,11 +132,11 @@ def test_flat_air_does_not_bend():
     np.testing.assert_array_equal(bent.radiance, straight.radiance)
 
 
-@pytest.mark.parametrize("altitude", [0.0, 3e3, 100e3])
-def test_all_orders_by_day_hardly_feel_refraction(altitude):
-    view = np.radians([0.0, 60.0] if altitude < 80e3 else [150.0, 180.0])
+@pytest.mark.parametrize(("altitude", "orders"), [(0.0, None), (100e3, 1)])
+def test_all_orders_by_day_hardly_feel_refraction(altitude, orders):
+    view = np.radians([150.0, 180.0] if altitude else [0.0, 60.0])
     sky = [
-        skyfit.simulate(a, np.radians(40.0), view, 0.3, orders=None, quality="draft",
+        skyfit.simulate(a, np.radians(40.0), view, 0.3, orders=orders, quality="draft",
                         observer_altitude=altitude)
         for a in (hazy(2.8e-4), hazy())
     ]  # fmt: skip

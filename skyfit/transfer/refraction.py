@@ -22,7 +22,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .columns import SunColumns, sun_columns
 from .geometry import AbstractPlanet, Ray, Spherical, SunDirection

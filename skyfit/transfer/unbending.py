@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._typing import Scalar
+from .._typing import Scalar, as_float
 from ..atmosphere import Refraction
 from ..profile import AbstractProfile
 
@@ -79,7 +79,7 @@ class Straightened(AbstractProfile):
 
     def __call__(self, altitude):
         """Relative density [1] times dr/dr'."""
-        true = self.over.restore(altitude)
+        true = self.over.restore(as_float(altitude))
         return self.base(true) * self.over.shrinking(true)
 
     def knots(self):
@@ -96,7 +96,8 @@ class Turning(AbstractProfile):
 
     def __call__(self, altitude):
         """Relative density [1]."""
-        return self.over.turning(self.over.restore(altitude)) / (1 + altitude / self.radius) ** 2
+        straight = as_float(altitude)
+        return self.over.turning(self.over.restore(straight)) / (1 + straight / self.radius) ** 2
 
     def knots(self):
         """Of the refraction, over h' [m]."""
