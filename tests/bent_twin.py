@@ -172,7 +172,7 @@ def first(bending, sun_zenith, view_zenith, relative_azimuths, altitude=0.0, nod
     path = follow(bending, altitude, view_zenith, distances)
     h = altitude_of(bending, path[0])
     assert h.min() > -1.0, "the ray meets the ground"
-    inside = np.argmax(h >= air.top) + 1
+    inside = np.argmax(h > air.top) + 1
     distances, h, path = distances[:inside], h[:inside], [part[:inside] for part in path]
     turn = np.arctan2(path[0][:, 0], path[0][:, 1])
     dark = shoot(bending, h, grazing(bending, h))[0]
