@@ -105,7 +105,8 @@ def test_first_order_is_the_twins(sun_deg):
     )
     bright = rows[:, 3:] > 0
     assert bright.sum() > 12
-    np.testing.assert_allclose(np.asarray(sky.radiance)[bright], rows[:, 3:][bright], rtol=2e-3)
+    # Within 2.2e-4; n² at the eye alone is 5.6e-4.
+    np.testing.assert_allclose(np.asarray(sky.radiance)[bright], rows[:, 3:][bright], rtol=4e-4)
     np.testing.assert_array_equal(np.asarray(sky.radiance)[~bright], 0.0)
 
 
