@@ -154,8 +154,10 @@ def test_second_order_after_sunset_is_brighter_for_refraction():
     np.testing.assert_allclose(bent, straight, rtol=0.2)
 
 
-@pytest.mark.parametrize("sun_deg", [40.0, 89.0, 94.0])
-def test_gradient_by_refractivity_is_the_central_difference(sun_deg):
+# Draft quality is not smooth in where shells and shadow lie: at 94° differences by other steps are
+# off by as much.
+@pytest.mark.parametrize(("sun_deg", "rtol"), [(40.0, 1e-4), (89.0, 1e-4), (94.0, 1e-3)])
+def test_derivative_by_refractivity_is_the_central_difference(sun_deg, rtol):
     def light(n):
         sky = skyfit.simulate(
             hazy(n), np.radians(sun_deg), np.radians([0.0, 80.0]), 0.3, orders=1, quality="draft"
@@ -163,9 +165,22 @@ def test_gradient_by_refractivity_is_the_central_difference(sun_deg):
         return jnp.sum(jnp.log(sky.radiance))
 
     step = 1e-8
-    slope = jax.jit(jax.grad(light))(2.8e-4)
+    at = jnp.array(2.8e-4)
+    _, slope = jax.jvp(light, (at,), (jnp.ones_like(at),))
     low, high = (float(light(2.8e-4 + d)) for d in (-step, step))
-    np.testing.assert_allclose(slope, (high - low) / (2 * step), rtol=1e-4)
+    np.testing.assert_allclose(slope, (high - low) / (2 * step), rtol=rtol)
+
+
+def test_gradient_by_refractivity_is_the_derivative():
+    def light(n):
+        view = np.radians([0.0, 80.0])
+        return jnp.sum(
+            skyfit.simulate(hazy(n), 1.55, view, 0.3, orders=1, quality="draft").radiance
+        )
+
+    at = jnp.array(2.8e-4)
+    _, slope = jax.jvp(light, (at,), (jnp.ones_like(at),))
+    np.testing.assert_allclose(jax.grad(light)(at), slope, rtol=1e-9)
 
 
 def test_air_that_leads_light_round_the_planet_is_refused():
