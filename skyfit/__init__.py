@@ -31,7 +31,11 @@ if TYPE_CHECKING:
         ward_larson_aerial as ward_larson_aerial,
     )
     from .aerosol_fit import AerosolFit as AerosolFit, fit_aerosol as fit_aerosol
-    from .atmosphere import Atmosphere as Atmosphere, Constituent as Constituent
+    from .atmosphere import (
+        Atmosphere as Atmosphere,
+        Constituent as Constituent,
+        Refraction as Refraction,
+    )
     from .bands import Bands as Bands
     from .benchmark import run_benchmarks as run_benchmarks
     from .campaign import Campaign as Campaign
@@ -98,7 +102,7 @@ _NAMES = {
         "ward_larson_aerial",
     ),
     "aerosol_fit": ("AerosolFit", "fit_aerosol"),
-    "atmosphere": ("Atmosphere", "Constituent"),
+    "atmosphere": ("Atmosphere", "Constituent", "Refraction"),
     "bands": ("Bands",),
     "benchmark": ("run_benchmarks",),
     "campaign": ("Campaign",),

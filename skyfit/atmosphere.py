@@ -72,6 +72,28 @@ class Constituent(eqx.Module):
         return self.scattering + self.absorption
 
 
+class Refraction(eqx.Module):
+    """How air bends light: its index of refraction is 1 + refractivity × relative density.
+
+    Args:
+        refractivity: n - 1 where the relative density is 1, 0 or more: one value for all
+            wavelengths. Dry air at 15 °C and 1013.25 hPa has 2.778e-4 at 550 nm, 1.4 % more at
+            400 nm and 0.7 % less at 700 nm (Peck & Reeder 1972, J. Opt. Soc. Am. 62, 958).
+        density: Relative density over altitude, as a rule that of the air.
+    """
+
+    refractivity: Scalar
+    density: AbstractProfile
+
+    def __init__(self, refractivity: ArrayLike, density: AbstractProfile):
+        name = "Refraction(refractivity=...)"
+        value = as_scalar(refractivity, name)
+        self.refractivity = check(
+            value, lambda v: ~((v >= 0) & (v < 0.1)), f"{name} must be 0 to 0.1"
+        )
+        self.density = density
+
+
 class Atmosphere(eqx.Module):
     """A spherical atmosphere over a Lambertian ground, lit by the sun.
 
@@ -83,6 +105,7 @@ class Atmosphere(eqx.Module):
         ground_albedo: Lambertian, in [0, 1]: one value or one per wavelength.
         planet_radius: [m].
         top_altitude: Above it there is nothing [m].
+        refraction: How the air bends light; None for straight rays.
     """
 
     wavelengths: Spectrum
@@ -91,6 +114,7 @@ class Atmosphere(eqx.Module):
     ground_albedo: Spectrum
     planet_radius: Scalar
     top_altitude: Scalar
+    refraction: Refraction | None
 
     __hash__ = object.__hash__  # arrays have none, and `jax.jit(atm.density)` asks for it
 
@@ -102,6 +126,7 @@ class Atmosphere(eqx.Module):
         ground_albedo: ArrayLike = 0.0,
         planet_radius: ArrayLike = EARTH_RADIUS,
         top_altitude: ArrayLike = TOP_OF_ATMOSPHERE,
+        refraction: Refraction | None = None,
     ):
         lam = as_wavelengths(wavelengths, "Atmosphere(wavelengths=...)")
         self.wavelengths = lam
@@ -117,6 +142,9 @@ class Atmosphere(eqx.Module):
         )
         self.planet_radius = _length(planet_radius, "planet_radius")
         self.top_altitude = _length(top_altitude, "top_altitude")
+        self.refraction = refraction
+        if refraction is not None and not is_traced(refraction, self.planet_radius):
+            self._refuse_ducts(refraction)
         if isinstance(constituents, Constituent):
             raise ValueError("Atmosphere(constituents=...): expected a tuple; got one Constituent")
         self.constituents = tuple(constituents)
@@ -130,6 +158,18 @@ class Atmosphere(eqx.Module):
                         f"expected 1 or {lam.size} as in wavelengths"
                     )
         _check_bands(self.constituents, lam.size)
+
+    def _refuse_ducts(self, refraction: Refraction) -> None:
+        """Where n r falls with altitude light would go round the planet."""
+        with jax.ensure_compile_time_eval():
+            altitude = jnp.linspace(0, self.top_altitude, 4001)
+            index = 1 + refraction.refractivity * refraction.density(altitude)
+            rises = np.all(np.diff(np.asarray(index * (self.planet_radius + altitude))) > 0)
+        if not rises:
+            raise ValueError(
+                "Atmosphere(refraction=...): expected an index of refraction times radius that "
+                "rises with altitude; this air would lead light round the planet"
+            )
 
     @property
     def scattering(self) -> Float[Array, "species wavelength"]:

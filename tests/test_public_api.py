@@ -23,6 +23,7 @@ PUBLIC = {
     "Dependence",
     "FormulaFit",
     "PaperAtmosphere",
+    "Refraction",
     "Sensitivity",
     "SkyFit",
     "aerial_perspective",

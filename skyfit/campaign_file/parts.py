@@ -18,6 +18,7 @@ class Planet(Section):
 
     radius_m: AboveZero = EARTH_RADIUS
     top_altitude_m: AboveZero = TOP_OF_ATMOSPHERE
+    refractivity: Annotated[ZeroOrMore, Field(le=0.01)] | None = None
 
 
 class Sun(Section):

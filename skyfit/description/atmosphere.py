@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import ArrayLike
 
-from ..atmosphere import Atmosphere
+from ..atmosphere import Atmosphere, Refraction
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
 from .gases import GASES, build_gas, gas_coefficients, gas_profile
 from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
@@ -77,7 +77,25 @@ def build_atmosphere(description: Part, wavelengths: np.ndarray) -> Atmosphere:
         ground_albedo=_ground_albedo(description["ground"], wavelengths),
         planet_radius=description["planet"]["radius_m"],
         top_altitude=top,
+        refraction=_refraction(description["planet"].get("refractivity"), gases),
     )
+
+
+def _refraction(refractivity: float | None, gases: list[Part]) -> Refraction | None:
+    """Of the first gas of which air can consist; None for straight rays.
+
+    Raises:
+        ValueError: There is none.
+    """
+    if refractivity is None:
+        return None
+    air = [part for part in gases if part["kind"] in ("air", "preetham_air", "gas")]
+    if not air:
+        raise ValueError(
+            "planet.refractivity: expected a constituent of kind air, preetham_air or gas, whose "
+            "profile the index of refraction follows; got none"
+        )
+    return Refraction(refractivity, gas_profile(air[0]))
 
 
 def _ground_albedo(ground: Part, wavelengths: Wavelengths) -> Wavelengths:

@@ -17,17 +17,16 @@ from .columns import SunColumns
 from .fan import make_fan
 from .geometry import Flat, SunDirection
 from .harmonics import legendre
+from .levels import place_levels, stencils
 from .medium import Medium
 from .nodes import sample
 from .quadrature import gauss, lagrange_weights, safe_sqrt
 from .quality import Directions, Quality
+from .refraction import apparent
 from .single import along_path, dimming, from_ground
 
 
-_THICK = 1.5  # optical depth between levels
-_SWING = 2.2  # sum of sizes of cubic weights between even nodes, at most
-_KINKS = 4  # of the density that lie on levels
-_WEAK, _STRONG = 0.02, 0.1  # change of optical depth by a kink, over the distance of levels
+_SWING = 2.2  # sum of sizes of cubic weights between levels, at most; 1.6 where they are even
 
 
 class Grid(eqx.Module):
@@ -114,7 +113,7 @@ def make_grid(
     medium: Medium, sun_zenith: Float[Array, " sun"], levels: int, directions: Directions
 ) -> Grid:
     """Lay out levels and directions for a planet and the suns' zenith angles [rad]."""
-    altitude, kinked = _levels(medium, levels)
+    altitude, kinked = place_levels(medium, levels)
     horizon = medium.planet.horizon(altitude)[:, None]
     horizon = jnp.where(altitude[:, None] > 0, horizon, 0.0)
 
@@ -133,64 +132,15 @@ def make_grid(
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
     grid = Grid(
-        altitude, medium.level_at(altitude), _stencils(kinked), sun_zenith, medium.dusk(), mu,
+        altitude, medium.level_at(altitude), stencils(kinked), sun_zenith, medium.dusk(), mu,
         2 * np.pi * weight, cos_azimuth,
     )  # fmt: skip
     # Uneven levels make a cubic swing: there the two neighbours do.
     middle = 0.5 * (grid.level[1:] + grid.level[:-1])
     swings = jnp.sum(jnp.abs(grid.between_levels(middle)), axis=1) > _SWING
-    pairs = _stencils(jnp.ones(levels, bool))
-    stencils = jnp.where(swings[:, None], pairs, grid.stencils)
-    return eqx.tree_at(lambda g: g.stencils, grid, stencils)
-
-
-def _levels(medium: Medium, count: int) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:
-    """Altitudes of levels [m], even in the medium's coordinate or on its strongest kinks.
-
-    And which of them are kinks across which light is not smooth.
-    """
-    even = jnp.linspace(0, 1, count, dtype=medium.edges.dtype)
-    altitude = jnp.interp(even, medium.coordinate, medium.edges)
-    gap = jnp.interp(medium.edges, 0.5 * (altitude[1:] + altitude[:-1]), jnp.diff(altitude))
-    inside = (medium.edges > 0) & (medium.edges < medium.planet.top)
-    strength = jnp.where(inside, medium.kink * gap**2, 0.0)
-    strength, which = jax.lax.top_k(strength, min(_KINKS, count - 2))
-    places = jnp.arange(count)
-    taken = (places == 0) | (places == count - 1)
-    fixed, edge_of = even, jnp.where(places == 0, 0, medium.edges.size - 1)
-    kinked = jnp.zeros_like(taken)
-    for one, edge in zip(strength, which, strict=True):
-        place = medium.coordinate[edge]
-        distance = jnp.where(taken, jnp.inf, jnp.abs(even - place))
-        moved = (places == jnp.argmin(distance)) & (one > _WEAK)
-        fixed, edge_of = jnp.where(moved, place, fixed), jnp.where(moved, edge, edge_of)
-        taken, kinked = taken | moved, kinked | (moved & (one > _STRONG))
-    # Those that were moved in the order of altitude, the others evenly between them.
-    order = jnp.argsort(jnp.where(taken, fixed, jnp.inf))[jnp.cumsum(taken) - 1]
-    fixed, edge_of, kinked = fixed[order], edge_of[order], kinked[order] & taken
-    low = jax.lax.cummax(jnp.where(taken, places, 0))
-    high = jax.lax.cummin(jnp.where(taken, places, count - 1), reverse=True)
-    share = (places - low) / jnp.maximum(high - low, 1)
-    level = fixed[low] + share.astype(fixed.dtype) * (fixed[high] - fixed[low])
-    altitude = jnp.interp(level, medium.coordinate, medium.edges)
-    altitude = jnp.where(taken, medium.edges[edge_of], altitude)
-    # Through much air between two levels light falls by more than a cubic follows.
-    depth = jnp.max(-jnp.diff(medium.above_altitude(altitude) @ medium.telling.T, axis=0), axis=1)
-    no = jnp.zeros(1, bool)
-    thick = depth > _THICK
-    kinked = kinked | jnp.concatenate([thick, no]) | jnp.concatenate([no, thick])
-    return altitude, kinked
-
-
-def _stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
-    """Which levels interpolate between neighbours: the nearest four on this side of a kink."""
-    places = jnp.arange(kinked.size)
-    ends = kinked | (places == 0) | (places == kinked.size - 1)
-    low = jax.lax.cummax(jnp.where(ends, places, 0))[:-1]
-    high = jax.lax.cummin(jnp.where(ends, places, kinked.size), reverse=True)[1:]
-    first = jnp.clip(places[:-1] - 1, low, jnp.maximum(low, high - 3))
-    last = jnp.minimum(first + 3, high)
-    return (places[None] >= first[:, None]) & (places[None] <= last[:, None])
+    pairs = stencils(jnp.ones(levels, bool))
+    used = jnp.where(swings[:, None], pairs, grid.stencils)
+    return eqx.tree_at(lambda g: g.stencils, grid, used)
 
 
 def project(
@@ -222,7 +172,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
     through the turning vertical, over a plane not at all.
     """
     medium, directions = columns.medium, quality.first
-    order = directions.modes
+    order, optics = directions.modes, medium.optics
     nodes = 1 if isinstance(medium.planet, Flat) else quality.sun_azimuths
     cos_nodes = np.cos(np.pi * np.arange(nodes) / max(nodes - 1, 1))
     to_modes = np.linalg.inv(np.polynomial.chebyshev.chebvander(cos_nodes, nodes - 1))
@@ -239,19 +189,19 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         jnp.repeat(grid.sun_zenith[np.array(telling)], len(around)),
         jnp.tile(jnp.asarray(around, grid.mu.dtype), len(telling)),
     )
-    optics = medium.optics
-    sun_up, sun_sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
+    ahead = SunDirection.from_angles(grid.sun_zenith, jnp.ones_like(grid.sun_zenith))
 
     def at_level(level):
         altitude, mu, weight = level
         fan = make_fan(medium, altitude, mu, directions)
+        beam, _ = apparent(medium.planet, ahead, altitude + 0 * ahead.up)
 
         def along(ray, leg, start, offset):
             shade = dimming(columns, ray, shades)
             path = sample(
                 medium, leg, start, leg.length, quality.field_panels, quality.field_kinks, shade
             )
-            return along_path(columns, ray, leg, path, offset, suns, orders=1)[0]
+            return along_path(columns, ray, leg, path, offset, suns, orders=1, follow=False)[0]
 
         def ground_along(ray, leg, to_ground):
             under = partial(from_ground, columns, ray, leg.low_distance, to_ground)
@@ -274,7 +224,7 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
             scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
             seen = legendre(degree, modes, mu, sine)
-            lit = legendre(degree, modes, sun_up, sun_sine)
+            lit = legendre(degree, modes, beam.up, beam.ahead)
             source = jnp.einsum("mls,lw->mlsw", lit, scaled)
             phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
         modes = max(phase.shape[0] for phase in phases)

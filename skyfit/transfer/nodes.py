@@ -6,7 +6,6 @@ A stretch is cut into panels of equal importance; kinks of the density are impor
 from collections.abc import Callable
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float

@@ -22,6 +22,7 @@ from .nodes import sample
 from .optics import Optics
 from .paths import Kind, Leg, both_legs, rising_leg
 from .quality import Quality
+from .refraction import apparent
 
 
 class Source(eqx.Module):
@@ -58,15 +59,18 @@ def straight_beam(columns: SunColumns, grid: Grid, field: Field, times: int) -> 
     """Sunlight that went straight on, by forward peaks, so many times; shaped as another field."""
     optics = columns.medium.optics
     up, sine = jnp.cos(grid.sun_zenith), jnp.sin(grid.sun_zenith)
-    column, lit = columns(grid.altitude[:, None], up[None, :])
+    high, ahead = grid.altitude[:, None], SunDirection(up[None], sine[None], 0 * sine[None])
+    seen, spread = apparent(columns.medium.planet, ahead, high)
+    column, lit = columns(high, seen.up)
     depth = column @ optics.straight
     share = jnp.exp(-column @ optics.extinction)
     for count in range(1, times + 1):
         share = share * depth / count
     share = jnp.where(lit[..., None], share, 0.0)
+    share = share if spread is None else share * spread[..., None]
     modes, degrees = field.moments.shape[1:3]
     shape = legendre(degrees - 1, modes - 1, up, sine)
-    ground = jnp.maximum(up, 0.0)[:, None] * share[0]
+    ground = jnp.maximum(seen.up[0], 0.0)[:, None] * share[0]
     return Field(jnp.einsum("mls,ksw->kmlsw", shape, share), ground)
 
 

@@ -1,5 +1,6 @@
 """The compiled program of the simulator: every order, for every sun in turn."""
 
+from functools import partial
 from typing import Literal
 
 import equinox as eqx
@@ -19,6 +20,7 @@ from .optics import Optics
 from .orders import gather, next_field, scatter, straight_beam
 from .paths import Kind
 from .quality import ALL_SUNS_DEG, LOW_SUN_OFFSETS_DEG, TWILIGHT_OFFSETS_DEG, Quality
+from .refraction import Refracting, cos_at_start, straightened
 from .single import first_order
 from .solve import sum_of_orders
 from .views import Views
@@ -43,6 +45,12 @@ def orders_under_suns(
     """Orders one by one, and all that were asked for together; for every sun in turn."""
     radius, top = atmosphere.planet_radius, atmosphere.top_altitude
     planet = Flat(top) if flat else Spherical(radius, top)
+    into_air = 1.0
+    if atmosphere.refraction is not None and not flat:
+        atmosphere, planet, air = straightened(atmosphere, quality.column_angles)
+        into_air = air.index(views.altitude)[None, :, :, None, None] ** 2
+        straight = air.straighten(views.altitude)
+        views = eqx.tree_at(lambda v: v.altitude, views, straight)
     exact = Optics.cut(atmosphere, quality.first.degree, quality.sharpest)
     # All orders are summed where what goes straight on counts as not scattered.
     rough = Optics.cut(atmosphere, quality.higher.degree, quality.sharpest).scaled()
@@ -105,7 +113,7 @@ def orders_under_suns(
         return orders, jnp.sum(orders, axis=0, keepdims=True)
 
     light = jax.lax.map(under_one_sun, views)  # [sun, order, ray, out, wavelength] both
-    sunshine = atmosphere.solar_irradiance[None, None, None, None, :]
+    sunshine = atmosphere.solar_irradiance[None, None, None, None, :] * into_air
     by_order, total = (jnp.swapaxes(each, 0, 1) * sunshine for each in light)
     return by_order, total
 
@@ -150,7 +158,10 @@ def _first(
     split: bool,
 ) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"]]:
     """The first order along every line of sight; and of the second what went straight on once."""
-    cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
+    if isinstance(medium.planet, Refracting):
+        cos_gamma = jax.vmap(partial(cos_at_start, medium.planet))(*eyes[:2])
+    else:
+        cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
     optics, width = medium.optics, medium.atmosphere.wavelengths.size
 
     def along(ray, suns, meets):

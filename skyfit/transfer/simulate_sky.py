@@ -183,12 +183,22 @@ def _sky(
     if suns != "near" and geometry != "flat":
         sizes = sizes.at_sunset() if suns == "low" else sizes.at_dusk()
     by_order, total = orders_with_bands(
-        atmosphere, views, count=orders,
+        _unbent_if_idle(atmosphere, geometry), views, count=orders,
         flat=geometry == "flat", quality=sizes, kind="rising" if rising else "any",
         suns=suns, split=not day,
     )  # fmt: skip
     by_order, total = shape.restore(by_order), shape.restore(total)[0]
     return Sky(by_order, total - jnp.sum(by_order, axis=0) if orders is None else 0 * total)
+
+
+def _unbent_if_idle(atmosphere: Atmosphere, geometry: str) -> Atmosphere:
+    """Without a refraction that is known to do nothing; a plane's is left out."""
+    refraction = atmosphere.refraction
+    if refraction is None:
+        return atmosphere
+    if geometry == "flat" or _known(refraction.refractivity, lambda n: n == 0):
+        return eqx.tree_at(lambda a: a.refraction, atmosphere, None)
+    return atmosphere
 
 
 def _choose(near, a, b):

@@ -16,6 +16,7 @@ from .geometry import Ray, SunDirection
 from .medium import Medium
 from .nodes import Path, sample
 from .paths import Kind, Leg, both_legs, column_along, rising_leg
+from .refraction import apparent, cos_at_start, cos_to_sun
 
 
 _DARK = 700.0  # optical depth that stands for the planet's shadow
@@ -42,7 +43,8 @@ def dimming(columns: SunColumns, ray: Ray, suns: SunDirection):
     def depth(altitude, distance):
         def under(sun):
             here = columns.medium.planet.turn_sun(sun, ray, distance)
-            column, lit = columns(altitude, here.up)
+            seen, _ = apparent(columns.medium.planet, here, altitude)
+            column, lit = columns(altitude, seen.up)
             return jnp.where(lit[:, None], column @ columns.medium.telling.T, _DARK)
 
         return jax.vmap(under, out_axes=1)(suns)
@@ -58,6 +60,7 @@ def along_path(
     offset: Float[Array, " species"],
     sun: SunDirection,
     orders: int = 2,
+    follow: bool = True,
 ) -> Float[Array, "{orders} species *sun channel"]:
     """Sunlight that nodes on one leg of a ray would send to the eye.
 
@@ -69,6 +72,8 @@ def along_path(
         offset: Column between the eye and the stretch's nearer end [m].
         sun: As seen from the eye, in the frame of the ray; one or many, any shape.
         orders: 1 or 2.
+        follow: Where light is bent, let phase functions change along the ray: they are relative to
+            their value at its start.
 
     Returns:
         What phase functions times scattering coefficients multiply, per unit irradiance [m]: in
@@ -77,15 +82,42 @@ def along_path(
     optics = columns.medium.optics
     wide = (-1,) + (1,) * sun.up.ndim
     along = jax.tree.map(lambda a: a[None], sun)
-    here = columns.medium.planet.turn_sun(along, ray, path.distance.reshape(wide))
+    planet, altitude = columns.medium.planet, path.altitude.reshape(wide)
+    here = planet.turn_sun(along, ray, path.distance.reshape(wide))
+    seen, spread = apparent(planet, here, altitude)
     to_eye = path.to_eye(leg, offset).reshape(*path.distance.shape, *wide[1:], -1)
-    light, column = sunlight_at(columns, path.altitude.reshape(wide), here.up, to_eye)
+    light, column = sunlight_at(columns, altitude, seen.up, to_eye)
+    light = light if spread is None else light * spread[..., None]
     # One product of matrices for all suns: [species, node] @ [node, sun · channel].
     kinds = (
         [light] if orders == 1 else [light, light * jnp.minimum(column @ optics.straight, _DARK)]
     )
+    if spread is not None and follow:
+        phases = _phases_along(columns.medium, ray, path.distance.reshape(wide), seen, sun)
+        lit = [jnp.stack(kinds) * phase[None] for phase in phases]
+        return jnp.stack(
+            [
+                jnp.einsum("n,kn...->k...", w, one)
+                for w, one in zip(path.weight.T, lit, strict=True)
+            ],
+            axis=1,
+        )
     flat = [path.weight.T @ kind.reshape(path.distance.size, -1) for kind in kinds]
     return jnp.stack([one.reshape(-1, *light.shape[1:]) for one in flat])
+
+
+def _phases_along(medium: Medium, ray: Ray, distance, seen: SunDirection, sun: SunDirection):
+    """Phase functions where a bent ray meets bent sunlight, relative to those at its start."""
+    planet, channels = medium.planet, medium.optics.extinction.shape[1]
+    altitude, mu = planet.advance(ray.altitude, ray.mu, distance)
+    cosine = cos_to_sun(mu, planet.sine_at_level(ray, altitude), seen)
+    first = cos_at_start(planet, ray, sun)
+    for one in medium.atmosphere.constituents:
+        here, there = one.phase.spectral(cosine), one.phase.spectral(first)[None]
+        ratio = jnp.where(there > 0, here, 1.0) / jnp.where(there > 0, there, 1.0)
+        # As many copies of the spectrum as there are channels to a wavelength.
+        copies = channels // ratio.shape[-1] if ratio.shape[-1] > 1 else 1
+        yield jnp.concatenate([ratio] * copies, axis=-1)
 
 
 def from_ground(
@@ -100,9 +132,10 @@ def from_ground(
     As a first order; and as a second, what went straight on once before or after.
     """
     optics = columns.medium.optics
-    below = columns.medium.planet.turn_sun(sun, ray, distance)
-    altitude = jnp.zeros_like(ray.mu)
+    planet, altitude = columns.medium.planet, jnp.zeros_like(ray.mu)
+    below, spread = apparent(planet, planet.turn_sun(sun, ray, distance), altitude)
     light, column = sunlight_at(columns, altitude, below.up, to_ground)
+    light = light if spread is None else light * spread
     light = optics.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
     return jnp.stack([light, light * jnp.minimum(column @ optics.straight, _DARK)])
 

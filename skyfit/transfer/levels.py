@@ -1,0 +1,65 @@
+"""Where the levels of the light field lie, and between which of them light is interpolated."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .medium import Medium
+
+
+_THICK = 1.5  # optical depth between levels
+_KINKS = 4  # of the density that lie on levels
+# Change of optical depth by a kink, over the distance of levels: more than these draws a level, and
+# is not smooth.
+_WEAK, _STRONG = 0.02, 0.1
+
+
+def place_levels(
+    medium: Medium, count: int
+) -> tuple[Float[Array, " level"], Bool[Array, " level"]]:
+    """Altitudes of levels [m], even in the medium's coordinate or on its strongest kinks.
+
+    And which of them are kinks across which light is not smooth.
+    """
+    even = jnp.linspace(0, 1, count, dtype=medium.edges.dtype)
+    altitude = jnp.interp(even, medium.coordinate, medium.edges)
+    gap = jnp.interp(medium.edges, 0.5 * (altitude[1:] + altitude[:-1]), jnp.diff(altitude))
+    inside = (medium.edges > 0) & (medium.edges < medium.planet.top)
+    strength = jnp.where(inside, medium.kink * gap**2, 0.0)
+    strength, which = jax.lax.top_k(strength, min(_KINKS, count - 2))
+    places = jnp.arange(count)
+    taken = (places == 0) | (places == count - 1)
+    fixed, edge_of = even, jnp.where(places == 0, 0, medium.edges.size - 1)
+    kinked = jnp.zeros_like(taken)
+    for one, edge in zip(strength, which, strict=True):
+        place = medium.coordinate[edge]
+        distance = jnp.where(taken, jnp.inf, jnp.abs(even - place))
+        moved = (places == jnp.argmin(distance)) & (one > _WEAK)
+        fixed, edge_of = jnp.where(moved, place, fixed), jnp.where(moved, edge, edge_of)
+        taken, kinked = taken | moved, kinked | (moved & (one > _STRONG))
+    # Those that were moved in the order of altitude, the others evenly between them.
+    order = jnp.argsort(jnp.where(taken, fixed, jnp.inf))[jnp.cumsum(taken) - 1]
+    fixed, edge_of, kinked = fixed[order], edge_of[order], kinked[order] & taken
+    low = jax.lax.cummax(jnp.where(taken, places, 0))
+    high = jax.lax.cummin(jnp.where(taken, places, count - 1), reverse=True)
+    share = (places - low) / jnp.maximum(high - low, 1)
+    level = fixed[low] + share.astype(fixed.dtype) * (fixed[high] - fixed[low])
+    altitude = jnp.interp(level, medium.coordinate, medium.edges)
+    altitude = jnp.where(taken, medium.edges[edge_of], altitude)
+    # Through much air between two levels light falls by more than a cubic follows.
+    depth = jnp.max(-jnp.diff(medium.above_altitude(altitude) @ medium.telling.T, axis=0), axis=1)
+    no = jnp.zeros(1, bool)
+    thick = depth > _THICK
+    kinked = kinked | jnp.concatenate([thick, no]) | jnp.concatenate([no, thick])
+    return altitude, kinked
+
+
+def stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
+    """Which levels interpolate between neighbours: the nearest four on this side of a kink."""
+    places = jnp.arange(kinked.size)
+    ends = kinked | (places == 0) | (places == kinked.size - 1)
+    low = jax.lax.cummax(jnp.where(ends, places, 0))[:-1]
+    high = jax.lax.cummin(jnp.where(ends, places, kinked.size), reverse=True)[1:]
+    first = jnp.clip(places[:-1] - 1, low, jnp.maximum(low, high - 3))
+    last = jnp.minimum(first + 3, high)
+    return (places[None] >= first[:, None]) & (places[None] <= last[:, None])
