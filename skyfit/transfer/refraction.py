@@ -26,7 +26,7 @@ from ..atmosphere import Atmosphere
 from .columns import SunColumns, sun_columns
 from .geometry import AbstractPlanet, Ray, Spherical, SunDirection
 from .medium import make_medium
-from .quadrature import cubic_stencil
+from .quadrature import even_stencil
 from .unbending import Straightened, Turning, Unbending
 
 
@@ -137,7 +137,7 @@ class Refracting(Spherical):
         def look(above):
             held = jnp.clip(above, 0.0, _WIDE)
             position = jnp.log1p(held / _NARROW) / float(np.log1p(_WIDE / _NARROW))
-            return cubic_stencil(position * (_ANGLES - 1), _ANGLES)
+            return even_stencil(position * (_ANGLES - 1), _ANGLES, 4)
 
         (column, along), (_, slopes) = jax.jvp(look, (above,), (jnp.ones_like(above),))
         first = row * _ANGLES + column
@@ -150,7 +150,7 @@ class Refracting(Spherical):
         return jnp.sum(near * _last(along), axis=-1), jnp.sum(near * _last(slopes), axis=-1)
 
     def _rows(self, altitude):
-        return cubic_stencil(self.stretch(jnp.minimum(altitude, self.top)) * (_ROWS - 1), _ROWS)
+        return even_stencil(self.stretch(jnp.minimum(altitude, self.top)) * (_ROWS - 1), _ROWS, 4)
 
     def _bent(self, ray, distance):
         """By how much a ray has been bent after a distance [rad]."""
