@@ -316,8 +316,11 @@ def test_what_bands_cannot_be_is_named():
         Bands([1.0, 0.0], [[1e-5], [1e-5]])
     with pytest.raises(ValueError, match=r"^Bands\(absorption=\.\.\.\) must be 0 or more.*-1$"):
         Bands([0.5, 0.5], [[1e-5], [-1.0]])
-    with pytest.raises(ValueError, match=r"precipitable_water=\.\.\.\) must be 0 m or more; got -"):
-        vapour(-0.01)
+    for water in (-0.01, 2.0):  # 2 cm, by one who forgot that lengths are in metres
+        with pytest.raises(
+            ValueError, match=r"must lie in \[0, 0\.2\] m; 2 cm are 0\.02; got -?\d"
+        ):
+            vapour(water)
     with pytest.raises(ValueError, match="known up to 800 nm; got 850"):
         skyfit.oxygen([700.0, 850.0])
 

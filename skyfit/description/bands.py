@@ -36,6 +36,7 @@ LONGEST = 800.0  # nm; the tables end here
 # Of x in Bird & Riordan's formulas; times the strengths of the table they are κ.
 _WATER_SCALE, _MIXED_SCALE = 20.07, 118.93
 _CENTIMETRES = 100.0  # in a metre
+MOST_WATER = 0.2  # m; twice what the wettest air holds
 
 
 def water_vapour(
@@ -52,17 +53,21 @@ def water_vapour(
 
     Args:
         wavelengths: Those of the atmosphere, up to 800 [nm].
-        precipitable_water: Depth of all the vapour above the ground as liquid, 0 or more: 0.005 in
+        precipitable_water: Depth of all the vapour above the ground as liquid, 0 to 0.2: 0.005 in
             dry winters, 0.05 in the tropics [m].
         density: Exponential with a scale height of 2 km if not given.
         top_altitude: Of the atmosphere [m].
 
     Raises:
-        ValueError: There are wavelengths beyond 800 nm, or a negative amount.
+        ValueError: There are wavelengths beyond 800 nm, or an amount out of its range.
     """
     density = Exponential(WATER_VAPOUR_HEIGHT) if density is None else density
     bands = water_vapour_bands(wavelengths, 1.0, 1.0)
-    water = _amount(precipitable_water, "water_vapour(precipitable_water=...)", "m")
+    water = check(
+        as_scalar(precipitable_water, "water_vapour(precipitable_water=...)"),
+        lambda depth: ~((depth >= 0) & (depth <= MOST_WATER)),
+        f"water_vapour(precipitable_water=...) must lie in [0, {MOST_WATER}] m; 2 cm are 0.02",
+    )
     return _absorber(density, bands.scaled(water / density.column(top_altitude)))
 
 
@@ -89,7 +94,11 @@ def oxygen(
     """
     density = StandardAtmosphere() if density is None else density
     bands = mixed_gas_bands(wavelengths, 1.0)
-    pressure = _amount(pressure_ratio, "oxygen(pressure_ratio=...)", "")
+    pressure = check(
+        as_scalar(pressure_ratio, "oxygen(pressure_ratio=...)"),
+        lambda ratio: ~((ratio >= 0) & (ratio < np.inf)),
+        "oxygen(pressure_ratio=...) must be 0 or more",
+    )
     return _absorber(density, bands.scaled(pressure / density.column(top_altitude)))
 
 
@@ -122,11 +131,6 @@ def mixed_gas_bands(wavelengths: ArrayLike, column: float, pressure_ratio: float
     """
     depth = _coefficient("mixed_gases", wavelengths) * pressure_ratio
     return _bands(_MIXED_SCALE * depth / column)
-
-
-def _amount(value: ArrayLike, name: str, unit: str) -> Scalar:
-    message = f"{name} must be 0 {unit}".rstrip() + " or more"
-    return check(as_scalar(value, name), lambda v: ~((v >= 0) & (v < np.inf)), message)
 
 
 def _absorber(density: AbstractProfile, bands: Bands) -> Constituent:

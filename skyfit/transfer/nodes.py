@@ -168,7 +168,7 @@ def _cuts(medium, leg, at, even, light, importance, panels, kinks):
     strong = bend**2 / (bend**2 + _BEND**2)
     # Those beyond the ends were moved to them, but for rounding.
     strong = strong * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
-    strong = strong * (kinks / jnp.maximum(jnp.sum(strong), kinks))
+    strong = strong * (kinks / jnp.maximum(jnp.sum(strong), max(kinks, 1)))
     passed = jnp.cumsum(strong)
     smooth = importance * (count - passed[-1])
     steps = jnp.stack([smooth + passed - strong, smooth + passed], axis=1).ravel()
