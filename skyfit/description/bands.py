@@ -20,7 +20,7 @@ such paths, not for the air above a summit.
 
 import numpy as np
 
-from .._typing import ArrayLike, Scalar, as_scalar, check
+from .._typing import ArrayLike, as_scalar, check
 from ..atmosphere import Constituent
 from ..bands import Bands
 from ..constants import TOP_OF_ATMOSPHERE
