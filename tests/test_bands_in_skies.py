@@ -317,9 +317,7 @@ def test_what_bands_cannot_be_is_named():
     with pytest.raises(ValueError, match=r"^Bands\(absorption=\.\.\.\) must be 0 or more.*-1$"):
         Bands([0.5, 0.5], [[1e-5], [-1.0]])
     for water in (-0.01, 2.0):  # 2 cm, by one who forgot that lengths are in metres
-        with pytest.raises(
-            ValueError, match=r"in \[0, 0\.2\] m; 2 cm are 0\.02; got -?\d"
-        ):
+        with pytest.raises(ValueError, match=r"in \[0, 0\.2\] m; 2 cm are 0\.02; got -?\d"):
             vapour(water)
     with pytest.raises(ValueError, match="known up to 800 nm; got 850"):
         skyfit.oxygen([700.0, 850.0])
