@@ -117,7 +117,7 @@ class Tabulated(AbstractProfile):
 class Squared(AbstractProfile):
     """The square of another profile: of pairs of molecules that collide.
 
-    Args:
+    Attributes:
         base: Relative density of the molecules.
     """
 
