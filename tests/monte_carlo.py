@@ -24,15 +24,16 @@ Three things keep the variance small where phase functions are peaked and where 
 - The point that looks at the sun is drawn where the planet throws no shadow, another one than the
   path goes on from if part of the ray is in the shadow.
 
-Numba compiles the loops, in `photon_paths.py`. It comes with miepython; the tests themselves need
-only the numbers that `tests/reference/make_monte_carlo_skies.py` keeps.
+Numba compiles the loops, in `photon_paths.py` and `photon_rays.py`. It comes with miepython; the
+tests themselves need only the numbers that `tests/reference/make_monte_carlo_skies.py` keeps.
 """
 
 import time
 from dataclasses import dataclass
 
 import numpy as np
-from photon_paths import NUM_ANGLES, Tables, enter, single, walk
+from photon_paths import NUM_ANGLES, single, walk
+from photon_rays import Tables, enter
 from plain_air import Air
 
 
