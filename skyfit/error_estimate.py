@@ -2,7 +2,7 @@
 
 A sky is checked by simulating it once more at the next coarser sizes; half the distance is the
 estimate, as in `simulate(..., estimate_error=True)`. It is no bound, and it cannot see what all
-sizes leave out, such as refraction.
+sizes leave out, such as polarisation.
 """
 
 import dataclasses

@@ -174,3 +174,21 @@ class NoProfile(profile.AbstractProfile):
 
     def __call__(self, altitude):
         return jnp.full_like(jnp.asarray(altitude), jnp.nan)
+
+
+@pytest.mark.parametrize("estimate_error", [False, True])
+@pytest.mark.parametrize("orders", [1, None])
+def test_no_directions_are_no_radiances(orders, estimate_error):
+    sky = skyfit.simulate(
+        layered(), np.ones((2, 1)), np.zeros(0), 0.0, orders=orders, estimate_error=estimate_error
+    )
+    assert sky.radiance.shape == (2, 0, 1)
+    assert sky.by_order.shape == (orders or 2, 2, 0, 1)
+
+
+def test_refraction_over_a_plane_is_said_to_be_left_out():
+    air = Constituent(profile.Exponential(8e3), 1.2e-5, phase=phase.Rayleigh())
+    bent = skyfit.Refraction(2.8e-4, air.density)
+    atmosphere = Atmosphere([550.0], 1.0, (air,), refraction=bent)
+    with pytest.warns(AccuracyWarning, match="refraction is left out where the geometry is flat"):
+        skyfit.simulate(atmosphere, 1.0, VIEW, AZIMUTH, orders=1, geometry="flat", quality="draft")

@@ -17,6 +17,7 @@ from .trust import (
     warn_of_darkness,
     warn_of_error,
     warn_of_low_top,
+    warn_of_straight_rays,
 )
 from .views import group
 
@@ -85,8 +86,8 @@ def simulate(
             that is negative or not finite, where it is known.
 
     Warns:
-        AccuracyWarning: The sun has set and much of the lit air would lie above the top; the
-            estimated error is large.
+        AccuracyWarning: The sun has set and much of the lit air would lie above the top; refraction
+            is left out over a plane; the estimated error is large.
     """
     sky = _sky(
         atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry, quality,
@@ -103,6 +104,8 @@ def simulate(
     refuse_impossible(radiance, "simulate")
     if geometry != "flat":
         warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
+    if geometry != "spherical":
+        warn_of_straight_rays(atmosphere)
     if not estimate_error:
         return sky
     coarse = coarser_radiance(
@@ -164,6 +167,10 @@ def _sky(
     view = _checked(view_zenith, "view_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
     azimuth = _checked(relative_azimuth, "relative_azimuth", "must be finite, in rad")
     altitude = _checked(observer_altitude, "observer_altitude", "must be 0 m or more", 0.0)
+    full = np.broadcast_shapes(sun.shape, view.shape, azimuth.shape, altitude.shape)
+    if 0 in full:
+        none = jnp.zeros((2 if orders is None else orders, *full, atmosphere.wavelengths.size))
+        return Sky(none, none[0])
     if geometry == "paper":
         flat, spherical = (
             _sky(atmosphere, sun, view, azimuth, orders, one, quality, altitude)
