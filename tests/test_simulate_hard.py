@@ -11,6 +11,7 @@ from hard_atmospheres import hard_atmosphere, name_of
 
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
+from skyfit.render.simulated import SimulatedSource
 from skyfit.transfer.trust import AccuracyWarning, missing_above
 
 
@@ -186,9 +187,11 @@ def test_no_directions_are_no_radiances(orders, estimate_error):
     assert sky.by_order.shape == (orders or 2, 2, 0, 1)
 
 
-def test_refraction_over_a_plane_is_said_to_be_left_out():
+def test_refraction_that_is_left_out_is_said_to_be():
     air = Constituent(profile.Exponential(8e3), 1.2e-5, phase=phase.Rayleigh())
     bent = skyfit.Refraction(2.8e-4, air.density)
-    atmosphere = Atmosphere([550.0], 1.0, (air,), refraction=bent)
+    atmosphere = Atmosphere([450.0, 550.0, 650.0], 1.0, (air,), refraction=bent)
     with pytest.warns(AccuracyWarning, match="refraction is left out where the geometry is flat"):
         skyfit.simulate(atmosphere, 1.0, VIEW, AZIMUTH, orders=1, geometry="flat", quality="draft")
+    with pytest.warns(AccuracyWarning, match="own.toml: the sun and its glare are drawn where"):
+        SimulatedSource(atmosphere, "own.toml")

@@ -16,6 +16,7 @@ from jaxtyping import Float
 from ..atmosphere import Atmosphere, Constituent
 from ..colour import xyz_weights
 from ..transfer.simulate_sky import simulate
+from ..transfer.trust import warn_of_straight_rays
 from .cameras import direction_of
 from .dome_table import DomeTable, Zone, spokes
 from .falloff import GLOW_ENDS, Falloff, beside_the_sun, crowding, glow, phase_of_light
@@ -69,6 +70,11 @@ class SimulatedSource(AbstractSource):
         altitude: float = 0.0,
         grid: tuple[int, int] = (RINGS, SPOKES),
     ):
+        warn_of_straight_rays(
+            atmosphere,
+            f"{name}: the sun and its glare are drawn where the sun stands without refraction, "
+            "up to 0.6 degrees too low at sunset",
+        )
         self.atmosphere, self.name = atmosphere, name
         self.orders, self.quality, self.altitude = orders, quality, altitude
         self.grid = grid

@@ -105,7 +105,8 @@ def simulate(
     if geometry != "flat":
         warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
     if geometry != "spherical":
-        warn_of_straight_rays(atmosphere)
+        what = "simulate: refraction is left out where the geometry is flat"
+        warn_of_straight_rays(atmosphere, what)
     if not estimate_error:
         return sky
     coarse = coarser_radiance(

@@ -102,12 +102,17 @@ def warn_of_low_top(atmosphere: Atmosphere, sun_zenith: np.ndarray) -> None:
         )
 
 
-def warn_of_straight_rays(atmosphere: Atmosphere) -> None:
-    """Warn where an atmosphere refracts and its planet is taken for a plane."""
+def warn_of_straight_rays(atmosphere: Atmosphere, what: str) -> None:
+    """Warn, where an atmosphere refracts, of what is computed with straight rays.
+
+    Args:
+        atmosphere: With refraction or without.
+        what: The whole sentence.
+    """
     refraction = atmosphere.refraction
     if refraction is None or is_traced(refraction.refractivity) or refraction.refractivity == 0:
         return
-    _warn("simulate: refraction is left out where the geometry is flat")
+    _warn(what)
 
 
 def missing_above(atmosphere: Atmosphere, sun_zenith: float) -> float:
