@@ -14,6 +14,7 @@ import skyfit
 from skyfit import phase, profile
 from skyfit.atmosphere import Atmosphere, Constituent, Refraction
 from skyfit.transfer.refraction import straightened
+from skyfit.transfer.trust import AccuracyWarning
 
 
 STORED = Path(__file__).parent / "reference" / "bent_radiances.csv"
@@ -130,7 +131,7 @@ def test_flat_air_does_not_bend():
     look = np.radians(40.0), np.radians([0.0, 85.0]), 0.3
     options = {"orders": 1, "geometry": "flat"}
     straight = skyfit.simulate(hazy(), *look, **options)
-    with pytest.warns(skyfit.AccuracyWarning, match="refraction is left out"):
+    with pytest.warns(AccuracyWarning, match="refraction is left out"):
         bent = skyfit.simulate(hazy(2.8e-4), *look, **options)
     np.testing.assert_array_equal(bent.radiance, straight.radiance)
 
