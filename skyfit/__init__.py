@@ -91,6 +91,7 @@ if TYPE_CHECKING:
         sunlight as sunlight,
     )
     from .transfer.simulate_sky import simulate as simulate
+    from .transfer.trust import AccuracyWarning as AccuracyWarning
 
 _MODULES = ("angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity")
 _NAMES = {
@@ -148,6 +149,7 @@ _NAMES = {
     "runner": ("run_campaign",),
     "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),
+    "transfer.trust": ("AccuracyWarning",),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names}
 

@@ -14,6 +14,7 @@ import skyfit
 
 PUBLIC = {
     "AerosolFit",
+    "AccuracyWarning",
     "AerialPerspective",
     "Atmosphere",
     "Bands",

@@ -9,7 +9,7 @@ from ..atmosphere import Atmosphere
 
 
 class AccuracyWarning(UserWarning):
-    """A number that may be wrong by more than is stated."""
+    """A number may be farther off than is stated; the message names the cause in one line."""
 
 
 TOLERANCE = 0.02  # of radiance; an estimated error above it is warned of
