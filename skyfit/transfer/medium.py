@@ -22,6 +22,8 @@ _ALIKE = 0.03  # wavelengths whose optical depths differ by so much count as one
 _LEVEL_GROWTH = 5.0  # the same for the coordinate of levels
 # Shares of that coordinate: altitude alone, optical depth, what dims light from above and below.
 _BY_ALTITUDE, _BY_DEPTH, _BY_DIMMING = 0.5, 0.25, 0.25
+_EMPTY = 1e-4  # what altitude counts for where there is nothing, beside 1 where there is air
+_FAINT = 1e-6  # of the densest extinction: counts half
 _DEEP = 8.0  # optical depth of which half that share's due is given
 
 
@@ -36,6 +38,8 @@ class Medium(eqx.Module):
         cubics: Coefficients of the densities in each shell, by powers of the share of its depth.
         above: Vertical columns above each edge [m at relative density 1].
         telling: Extinction at few wavelengths, from the clearest to the densest [m⁻¹].
+        filled: Whether there is anything in each shell, from near 0 to 1.
+        climbed: Of the levels' coordinate the part by altitude, at each edge.
         coordinate: At each edge, from 0 to 1; it rises with altitude and with optical depth, so
             that equal steps of it are about equally important.
         coordinate_scale: What it was divided by to end at 1.
@@ -49,6 +53,8 @@ class Medium(eqx.Module):
     cubics: Float[Array, "species 4 shell"]
     above: Float[Array, "edge species"]
     telling: Float[Array, "few species"]
+    filled: Float[Array, " shell"]
+    climbed: Float[Array, " edge"]
     coordinate: Float[Array, " edge"]
     coordinate_scale: Scalar
     kink: Float[Array, " edge"]
@@ -78,8 +84,11 @@ class Medium(eqx.Module):
     def level_at(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """The coordinate at altitudes [m]."""
         depth = self.above_altitude(altitude) @ self.telling.T
-        share = altitude / self.planet.top
-        return _mixed(share, depth, self.above[0] @ self.telling.T) / self.coordinate_scale
+        shell, grown = self.shell(altitude), _by_altitude(self.edges / self.planet.top)
+        low, high = grown[shell], grown[shell + 1]
+        part = (_by_altitude(altitude / self.planet.top) - low) / jnp.where(high > low, high - low, 1.0)
+        climbed = self.climbed[shell] + part * (self.climbed[shell + 1] - self.climbed[shell])
+        return _mixed(climbed, depth, self.above[0] @ self.telling.T) / self.coordinate_scale
 
     def dusk(self) -> Scalar:
         """Radius of the planet over the mean altitude of what scatters highest; 0 for a plane."""
@@ -133,7 +142,14 @@ def make_medium(
     telling = _telling(optics.extinction, above[0])
     is_knot = jnp.any(edges[:, None] == atmosphere.knots()[None, :], axis=1)
     kink = jnp.where(is_knot, _kink(cubics, depth, telling), 0.0)
-    mixed = _mixed(edges / planet.top, above @ telling.T, above[0] @ telling.T)
+    # Levels in empty air would be of no use.
+    thick = (column @ telling.T).mean(axis=-1) / jnp.where(depth > 0, depth, 1.0)
+    filled = thick / (thick + _FAINT * jnp.max(thick) + 1e-30)
+    weight = _EMPTY + (1 - _EMPTY) * filled
+    climbed = jnp.cumsum(weight * jnp.diff(_by_altitude(edges / planet.top)))
+    climbed = jnp.concatenate([jnp.zeros_like(climbed[:1]), climbed])
+    climbed = climbed / climbed[-1]
+    mixed = _mixed(climbed, above @ telling.T, above[0] @ telling.T)
     return Medium(
         atmosphere,
         planet,
@@ -142,6 +158,8 @@ def make_medium(
         cubics,
         above,
         telling,
+        weight,
+        climbed,
         mixed / mixed[-1],
         mixed[-1],
         kink,
@@ -186,25 +204,28 @@ def _telling(
     return jax.nn.softmax(-off / _ALIKE, axis=1) @ extinction.T
 
 
+def _by_altitude(share: Float[Array, "*b"]) -> Float[Array, "*b"]:
+    """A coordinate that rises fastest near the ground, of altitudes as a share of the top."""
+    return jnp.log1p(share * float(np.expm1(_LEVEL_GROWTH))) / _LEVEL_GROWTH
+
+
 def _mixed(
-    share: Float[Array, "*b"], depth: Float[Array, "*b few"], total: Float[Array, " few"]
+    climbed: Float[Array, "*b"], depth: Float[Array, "*b few"], total: Float[Array, " few"]
 ) -> Float[Array, "*b"]:
     """What the coordinate of levels follows; see `Medium`.
 
     Args:
-        share: Altitude as a share of the top.
+        climbed: The part by altitude.
         depth: Optical depth above, at few wavelengths.
         total: Above the ground.
     """
-    growth = float(np.expm1(_LEVEL_GROWTH))
-    altitude = jnp.log1p(share * growth) / _LEVEL_GROWTH
     total = total.reshape((1,) * (depth.ndim - 1) + (-1,))
     below = total - depth
     by_depth = below / (1 + total / _DEEP)
     # Light from above and from below fades by these.
     dimmed = jnp.exp(-depth) - jnp.exp(-total) + 1 - jnp.exp(-below)
     return (
-        _BY_ALTITUDE * altitude
+        _BY_ALTITUDE * climbed
         + _BY_DEPTH * jnp.mean(by_depth, axis=-1)
         + _BY_DIMMING * 0.5 * jnp.mean(dimmed, axis=-1)
     )

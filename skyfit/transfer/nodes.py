@@ -135,7 +135,7 @@ def _importance(medium, leg, at, column, even, dimming):
     level = jnp.interp(altitude, medium.edges, medium.coordinate)
     depth = column @ medium.telling.T
     depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
-    changes = [jnp.diff(even)[:, None], jnp.diff(level)[:, None]]
+    changes = [(medium.filled * jnp.diff(even))[:, None], jnp.diff(level)[:, None]]
     light = jnp.exp(-depth)
     changes.append(jnp.diff(jnp.exp(-_FADE * depth), axis=0))
     if dimming is not None:
