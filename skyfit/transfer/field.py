@@ -27,6 +27,9 @@ from .single import along_path, dimming, from_ground
 
 
 _SWING = 2.2  # sum of sizes of cubic weights between levels, at most; 1.6 where they are even
+# Optical depths between levels: through more than these light falls by more than a cubic follows,
+# and there it is interpolated ever less by one and more by a straight line.
+_THIN, _THICK = 1.0, 2.0
 
 
 class Grid(eqx.Module):
@@ -36,6 +39,7 @@ class Grid(eqx.Module):
         altitude: Of the levels [m].
         level: Their coordinate, almost evenly from 0 to 1; see `Medium`.
         stencils: Levels between which light is interpolated, between each level and the next.
+        thick: Share of the two neighbours alone in this interpolation, from 0 to 1.
         sun_zenith: Of the suns, increasing [rad].
         dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
@@ -46,24 +50,25 @@ class Grid(eqx.Module):
     altitude: Float[Array, " level"]
     level: Float[Array, " level"]
     stencils: Bool[Array, "interval level"]
+    thick: Float[Array, "interval channel"]
     sun_zenith: Float[Array, " sun"]
     dusk: Scalar
     mu: Float[Array, "level ray"]
     weight: Float[Array, "level ray"]
     cos_azimuth: Float[Array, " azimuth"]
 
-    def between_levels(self, level: Float[Array, " point"]) -> Float[Array, "point level"]:
-        """Weights of the levels at points given by their coordinate."""
+    def between_levels(
+        self, level: Float[Array, " point"], light: Float[Array, "point channel"]
+    ) -> Float[Array, "level channel"]:
+        """Share of light from each level, of light from points given by their coordinate."""
         x = jnp.clip(level, self.level[0], self.level[-1])[:, None]
         count = self.level.size
         interval = jnp.clip(jnp.sum(x >= self.level[None], axis=1) - 1, 0, count - 2)
-        used = self.stencils[interval]
-        gaps = self.level[:, None] - self.level[None, :]
-        itself = jnp.eye(count, dtype=bool)
-        gaps = jnp.where(itself, 1.0, gaps)
-        factors = (x - self.level[None])[:, None, :] / gaps[None]
-        others = used[:, None, :] & ~itself[None]
-        return jnp.where(used, jnp.prod(jnp.where(others, factors, 1.0), axis=-1), 0.0)
+        smooth = _lagrange(self.level, x, self.stencils[interval])
+        places = jnp.arange(count)[None] - interval[:, None]
+        straight = _lagrange(self.level, x, (places == 0) | (places == 1))
+        by_line = light * self.thick[interval]
+        return smooth.T @ (light - by_line) + straight.T @ by_line
 
     def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
         """Weights of the suns for a sun at other zenith angles [rad].
@@ -84,6 +89,17 @@ class Grid(eqx.Module):
         """Directions of the suns in the frame of each azimuth; [azimuth, sun]."""
         zenith, cosine = jnp.broadcast_arrays(self.sun_zenith[None, :], self.cos_azimuth[:, None])
         return SunDirection.from_angles(zenith, cosine)
+
+
+def _lagrange(
+    nodes: Float[Array, " node"], x: Float[Array, "point 1"], used: Bool[Array, "point node"]
+) -> Float[Array, "point node"]:
+    """Weights of the nodes that are used in the polynomial through them."""
+    itself = jnp.eye(nodes.size, dtype=bool)
+    gaps = jnp.where(itself, 1.0, nodes[:, None] - nodes[None, :])
+    factors = (x - nodes[None])[:, None, :] / gaps[None]
+    others = used[:, None, :] & ~itself[None]
+    return jnp.where(used, jnp.prod(jnp.where(others, factors, 1.0), axis=-1), 0.0)
 
 
 class Field(eqx.Module):
@@ -131,16 +147,17 @@ def make_grid(
     mu, weight = (jnp.concatenate(parts, axis=1) for parts in zip(*panels, strict=True))
     azimuth = np.pi * (np.arange(directions.azimuths) + 0.5) / directions.azimuths
     cos_azimuth = jnp.asarray(np.cos(azimuth), altitude.dtype)
-    grid = Grid(
-        altitude, medium.level_at(altitude), stencils(kinked), sun_zenith, medium.dusk(), mu,
-        2 * np.pi * weight, cos_azimuth,
-    )  # fmt: skip
+    level, used = medium.level_at(altitude), stencils(kinked)
     # Uneven levels make a cubic swing: there the two neighbours do.
-    middle = 0.5 * (grid.level[1:] + grid.level[:-1])
-    swings = jnp.sum(jnp.abs(grid.between_levels(middle)), axis=1) > _SWING
-    pairs = stencils(jnp.ones(levels, bool))
-    used = jnp.where(swings[:, None], pairs, grid.stencils)
-    return eqx.tree_at(lambda g: g.stencils, grid, used)
+    middle = 0.5 * (level[1:] + level[:-1])
+    swings = jnp.sum(jnp.abs(_lagrange(level, middle[:, None], used)), axis=1) > _SWING
+    used = jnp.where(swings[:, None], stencils(jnp.ones(levels, bool)), used)
+    depth = -jnp.diff(medium.above_altitude(altitude) @ medium.optics.extinction, axis=0)
+    thick = jnp.clip((depth - _THIN) / (_THICK - _THIN), 0.0, 1.0)
+    return Grid(
+        altitude, level, used, thick, sun_zenith, medium.dusk(), mu, 2 * np.pi * weight,
+        cos_azimuth,
+    )  # fmt: skip
 
 
 def project(

@@ -7,7 +7,6 @@ from jaxtyping import Array, Bool, Float
 from .medium import Medium
 
 
-_THICK = 1.5  # optical depth between levels
 _KINKS = 4  # of the density that lie on levels
 # Change of optical depth by a kink, over the distance of levels: more than these draws a level, and
 # is not smooth.
@@ -46,11 +45,6 @@ def place_levels(
     level = fixed[low] + share.astype(fixed.dtype) * (fixed[high] - fixed[low])
     altitude = jnp.interp(level, medium.coordinate, medium.edges)
     altitude = jnp.where(taken, medium.edges[edge_of], altitude)
-    # Through much air between two levels light falls by more than a cubic follows.
-    depth = jnp.max(-jnp.diff(medium.above_altitude(altitude) @ medium.telling.T, axis=0), axis=1)
-    no = jnp.zeros(1, bool)
-    thick = depth > _THICK
-    kinked = kinked | jnp.concatenate([thick, no]) | jnp.concatenate([no, thick])
     return altitude, kinked
 
 

@@ -17,6 +17,7 @@ from .quadrature import gauss
 
 
 NODES = 3  # Gauss nodes on each panel
+_THIN = 0.01  # optical depth of a panel
 _FADE = 0.4  # importance follows transmittance to this power, which also tells of dim parts
 _BEND = 0.01  # change of optical depth by a kink, over a panel, that counts half
 _NEAR_END = 1e-3  # of a stretch; a kink there is weaker
@@ -31,6 +32,7 @@ class Path(eqx.Module):
         altitude: [m].
         weight: Σ weight × f(node) is ∫ρ f ds, for f smooth [m].
         column: From the stretch's low end to the node [m].
+        ends: From there to the ends of panels [m].
         total: From one end to the other [m].
     """
 
@@ -38,11 +40,38 @@ class Path(eqx.Module):
     altitude: Float[Array, " node"]
     weight: Float[Array, "node species"]
     column: Float[Array, "node species"]
+    ends: Float[Array, "panel_end species"]
     total: Float[Array, " species"]
 
     def to_eye(self, leg: Leg, offset: Float[Array, " species"]) -> Float[Array, "node species"]:
         """Columns between nodes and eye, given that from the eye to the stretch's nearer end."""
-        nearer = jnp.where(leg.sign > 0, self.column, self.total[None, :] - self.column)
+        return self._to_eye(self.column, leg, offset)
+
+    def arriving(
+        self, leg: Leg, offset: Float[Array, " species"], extinction: Float[Array, "species channel"]
+    ) -> Float[Array, "node channel"]:
+        """Transmittance from nodes to the eye, scaled so that each panel is as opaque as it is.
+
+        Σ weight × extinction × this, over a panel, is what its ends differ by in transmittance: air
+        that glows evenly is seen with its own brightness, however thick, and no light is gained.
+
+        Args:
+            leg: Of the ray.
+            offset: Column between the eye and the stretch's nearer end [m].
+            extinction: Where densities are 1 [m⁻¹].
+        """
+        through = jnp.exp(-self.to_eye(leg, offset) @ extinction)
+        dims = (self.weight @ extinction).reshape(-1, NODES, through.shape[1])
+        seen = jnp.sum(dims * through.reshape(dims.shape), axis=1)
+        ends = jnp.exp(-self._to_eye(self.ends, leg, offset) @ extinction)
+        opaque = jnp.abs(jnp.diff(ends, axis=0))
+        # In thin panels nodes are exact, and differences are not.
+        thick = (jnp.sum(dims, axis=1) > _THIN) & (seen > 0)
+        scale = jnp.where(thick, opaque, 1.0) / jnp.where(thick, seen, 1.0)
+        return through * jnp.repeat(scale, NODES, axis=0)
+
+    def _to_eye(self, column, leg, offset):
+        nearer = jnp.where(leg.sign > 0, column, self.total[None, :] - column)
         return offset[None, :] + nearer
 
 
@@ -126,7 +155,7 @@ def sample(
     weight = by_panel * scale + gauss_weights[None, :, None] * missed
     weight = weight.reshape(x.size, -1)
     altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
-    return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], column[-1])
+    return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], columns[: cuts.size], column[-1])
 
 
 def _importance(medium, leg, at, column, even, dimming):

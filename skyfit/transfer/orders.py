@@ -110,15 +110,15 @@ def send(
     extinction = medium.optics.extinction
     order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
     path = sample(medium, leg, start, leg.length, panels, kinks)
-    arriving = jnp.exp(-path.to_eye(leg, offset) @ extinction)
-    near = grid.between_levels(medium.level_at(path.altitude))
+    arriving = path.arriving(leg, offset, extinction)
+    level = medium.level_at(path.altitude)
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
     sine = medium.planet.sine_at_level(ray, grid.altitude)
     harmonics = legendre(degree, order, crossing, sine)
     levels, suns, wavelengths = crossing.size, *source.ground.shape
     sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
     for number, part in enumerate(source.scattered):
-        weight = jnp.einsum("n,nw,nk->kw", path.weight[:, number], arriving, near)
+        weight = grid.between_levels(level, path.weight[:, number, None] * arriving)
         modes, degrees = part.shape[1:3]
         here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:modes, :degrees], part)
         sent = sent.at[:, :modes].add(weight[:, None, None, :] * here)

@@ -66,7 +66,6 @@ def orders_under_suns(
             return first[None], first[None]
         nodes = _suns(view.sun, suns, flat, quality)
         grid = make_grid(medium, nodes, quality.levels, quality.first)
-        higher = make_grid(medium, nodes, quality.levels, quality.higher)
         field = first_field(columns, grid, quality)
 
         def look(source):
@@ -87,6 +86,7 @@ def orders_under_suns(
 
         if count is None:
             scaled = eqx.tree_at(lambda m: m.optics, medium, rough)
+            higher = make_grid(scaled, nodes, quality.levels, quality.higher)
             once = jax.tree.map(lambda a: a[..., width:], field)
 
             def further(field):
@@ -102,6 +102,7 @@ def orders_under_suns(
         orders = [first, second]
         # Light once scattered has no peaks any more: of what it meets nothing need be cut off.
         whole = exact.whole()
+        higher = make_grid(medium, nodes, quality.levels, quality.higher)
         field = field.up_to(quality.higher)
         for times in range(1, count - 1):
             beam = straight_beam(columns, grid, field, times)
