@@ -86,7 +86,8 @@ class Medium(eqx.Module):
         depth = self.above_altitude(altitude) @ self.telling.T
         shell, grown = self.shell(altitude), _by_altitude(self.edges / self.planet.top)
         low, high = grown[shell], grown[shell + 1]
-        part = (_by_altitude(altitude / self.planet.top) - low) / jnp.where(high > low, high - low, 1.0)
+        apart = jnp.where(high > low, high - low, 1.0)
+        part = (_by_altitude(altitude / self.planet.top) - low) / apart
         climbed = self.climbed[shell] + part * (self.climbed[shell + 1] - self.climbed[shell])
         return _mixed(climbed, depth, self.above[0] @ self.telling.T) / self.coordinate_scale
 

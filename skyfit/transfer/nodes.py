@@ -48,7 +48,10 @@ class Path(eqx.Module):
         return self._to_eye(self.column, leg, offset)
 
     def arriving(
-        self, leg: Leg, offset: Float[Array, " species"], extinction: Float[Array, "species channel"]
+        self,
+        leg: Leg,
+        offset: Float[Array, " species"],
+        extinction: Float[Array, "species channel"],
     ) -> Float[Array, "node channel"]:
         """Transmittance from nodes to the eye, scaled so that each panel is as opaque as it is.
 
@@ -155,7 +158,8 @@ def sample(
     weight = by_panel * scale + gauss_weights[None, :, None] * missed
     weight = weight.reshape(x.size, -1)
     altitude = medium.planet.advance(leg.altitude, leg.mu, outwards)[0]
-    return Path(leg.from_eye(outwards), altitude, weight, columns[cuts.size :], columns[: cuts.size], column[-1])
+    to_ends, to_nodes = columns[: cuts.size], columns[cuts.size :]
+    return Path(leg.from_eye(outwards), altitude, weight, to_nodes, to_ends, column[-1])
 
 
 def _importance(medium, leg, at, column, even, dimming):
