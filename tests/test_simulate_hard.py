@@ -4,6 +4,7 @@ import csv
 from itertools import pairwise
 from pathlib import Path
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -46,6 +47,8 @@ def simulated(case, some, **choices):
     ("case", "sun", "rtol"),
     [
         ("volcanic", 60.0, 2e-3),
+        ("clear550", 96.0, 5e-3),
+        ("clear550", 98.0, 5e-3),
         ("smoke.5", 88.0, 5e-3),
         ("smoke3", 88.0, 2e-2),
         ("dust g.9 t.5", 60.0, 1e-2),
@@ -161,6 +164,45 @@ def test_a_low_top_is_warned_of_after_sunset():
     assert missing_above(atm, np.radians(89.0)) == 0
     with pytest.warns(AccuracyWarning, match="ends at 60 km; with the sun 6.0 degrees below"):
         skyfit.simulate(atm, np.radians(96.0), 0.3, 0.0, orders=1, quality="draft")
+
+
+def test_the_sum_of_all_orders_converges_where_air_is_shallow():
+    """From high up suns down to 22° below the horizon count; under shallow air orders grew."""
+    parts = [
+        Constituent(profile.Exponential(scale), depth / scale, phase=phase.HenyeyGreenstein(g))
+        for scale, depth, g in [(5e3, 0.1, 0.0), (1.5e3, 0.9, 0.7)]
+    ]
+    sky = skyfit.simulate(
+        Atmosphere([550.0], 1.0, tuple(parts), 0.9), np.radians(89.0), np.radians([70.0, 150.0]),
+        1.0, orders=None, quality="draft", observer_altitude=4e4,
+    )  # fmt: skip
+    known = np.sum(sky.by_order, axis=0)
+    # Each order is less than 0.7 of the one before it.
+    assert np.all((sky.radiance > known) & (sky.radiance < known / 0.3))
+
+
+def test_light_darker_than_can_be_told_is_none():
+    """Behind 18 optical depths of soot above haze: 1e-11 of the sunlight, at `draft` below 0."""
+    knots = 23.3e3 + np.array([0.0, 40.0, 140.0, 180.0])
+    soot = profile.Tabulated(knots, [0.0, 1.0, 1.0, 0.0])
+    parts = (
+        Constituent(profile.Exponential(8e3), 1.2e-5, phase=phase.Rayleigh()),
+        Constituent(soot, 0.3 * 0.13, 0.7 * 0.13, phase=phase.HenyeyGreenstein(0.9)),
+    )
+    atmosphere = Atmosphere([550.0], 1.0, parts, 0.8)
+    where = {"geometry": "flat", "quality": "draft", "orders": None}
+    with pytest.warns(AccuracyWarning, match=r"radiances are darker than can be told and are 0"):
+        sky = skyfit.simulate(atmosphere, np.radians(60.0), VIEW, AZIMUTH, **where)
+    assert np.all(sky.by_order >= 0)
+    assert np.all(sky.radiance >= 0)
+    inside = jax.jit(lambda sun: skyfit.simulate(atmosphere, sun, VIEW, AZIMUTH, **where).radiance)
+    assert np.all(inside(np.radians(60.0)) >= 0)
+
+
+def test_too_thick_air_is_warned_of():
+    air = Constituent(profile.Exponential(8e3), 1e-3, phase=phase.HenyeyGreenstein(0.7))
+    with pytest.warns(AccuracyWarning, match=r"in 8 optical depths at 550 nm; 10 levels .* 6.6"):
+        skyfit.simulate(Atmosphere([550.0], 1.0, (air,)), 0.5, 0.3, 0.0, orders=2, quality="draft")
 
 
 def test_light_that_cannot_be_is_refused_in_one_line():

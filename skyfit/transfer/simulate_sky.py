@@ -18,12 +18,14 @@ from .trust import (
     warn_of_error,
     warn_of_low_top,
     warn_of_straight_rays,
+    warn_of_thick_air,
 )
 from .views import group
 
 
 LOW_SUN = np.radians(86.0)
 HIGH_UP = 20e3  # m
+_DARK = 1e-6  # of the sunlight above the air, in a steradian: light is not known better
 PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
 
 
@@ -96,12 +98,17 @@ def simulate(
     if is_traced(sky.by_order, sky.tail):
         if estimate_error:
             raise ValueError("simulate(estimate_error=True): not inside jit, vmap or grad")
-        return sky
-    radiance = np.asarray(sky.radiance)
+        return _not_below_zero(sky, atmosphere, False)
+    before = np.asarray(sky.radiance)
     night = np.asarray(sun_zenith, float) > np.pi / 2
-    if radiance.size and night.any() and np.isfinite(radiance).all():
-        sky, radiance = _not_below_zero(sky, radiance, np.broadcast_to(night, radiance.shape[:-1]))
+    night = np.broadcast_to(night, before.shape[:-1])[..., None]
+    sky = _not_below_zero(sky, atmosphere, night)
+    radiance = np.asarray(sky.radiance)
     refuse_impossible(radiance, "simulate")
+    refuse_impossible(np.asarray(sky.by_order), "simulate: of single orders,")
+    warn_of_darkness(int(((before < 0) & (radiance == 0)).sum()), radiance.size)
+    if orders != 1:
+        warn_of_thick_air(atmosphere, _sizes(orders, geometry, quality).levels)
     if geometry != "flat":
         warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
     if geometry != "spherical":
@@ -141,15 +148,20 @@ def coarser_radiance(
     return np.asarray(sky.radiance)
 
 
-def _not_below_zero(sky: Sky, radiance: np.ndarray, night: np.ndarray) -> tuple[Sky, np.ndarray]:
-    """Light that came out below 0 by night taken for none, with a warning."""
-    below = (radiance < 0) & night[..., None]
-    count = int(below.sum())
-    if count == 0:
-        return sky, radiance
-    warn_of_darkness(count, radiance.size)
-    light = Sky(jnp.where(below[None], 0.0, sky.by_order), jnp.where(below, 0.0, sky.tail))
-    return light, np.asarray(light.radiance)
+def _not_below_zero(sky: Sky, atmosphere: Atmosphere, night: np.ndarray | bool) -> Sky:
+    """Light that came out below 0, but by less than can be told, taken for none.
+
+    Args:
+        sky: As it was computed.
+        atmosphere: Its.
+        night: Where the sun has set, which makes all light too dark to tell.
+    """
+    radiance = sky.radiance
+    dark = jnp.broadcast_to(-_DARK * atmosphere.solar_irradiance, radiance.shape)
+    night = jnp.broadcast_to(night, radiance.shape)
+    black = (radiance <= 0) & (night | (radiance > dark))
+    below = (sky.by_order < 0) & (night[None] | (sky.by_order > dark[None]))
+    return Sky(jnp.where(black[None] | below, 0.0, sky.by_order), jnp.where(black, 0.0, sky.tail))
 
 
 def _sky(

@@ -19,6 +19,7 @@ T = TypeVar("T")
 
 _MEMORY = 5  # steps of which the best mixture is sought
 _MOST_STEPS = 200
+_LOST = 0.01  # change in the last step, relative; where it is larger there is no sum
 
 
 def sum_of_orders(again: Callable[[Field], Field], first: Field, tolerance: float) -> Field:
@@ -28,6 +29,9 @@ def sum_of_orders(again: Callable[[Field], Field], first: Field, tolerance: floa
         again: A, linear: the field of the next order.
         first: b, no sharper than what A returns.
         tolerance: Largest change in the last step, relative to the whole, at every wavelength.
+
+    Returns:
+        The sum; not a number at wavelengths at which it does not converge.
     """
     second = again(first)
     # Suns in twilight count as much as those by day.
@@ -76,20 +80,24 @@ def _anderson(remains, b: Field, *, scales: Field, tolerance: float) -> Field:
         place = count % _MEMORY
         xs = jax.tree.map(lambda h, new, old: h.at[place].set(new - old), xs, ahead, x)
         rs = jax.tree.map(lambda h, new, old: h.at[place].set(new - old), rs, left, r)
-        return ahead, left, xs, rs, count + 1, worst(ahead, left)
+        return ahead, left, xs, rs, count + 1, off(ahead, left)
 
-    def worst(x, r):
+    def off(x, r):
         whole = products(x, x)
-        return jnp.max(products(r, r) / jnp.where(whole > 0, whole, 1.0))
+        return products(r, r) / jnp.where(whole > 0, whole, 1.0)
 
     def unfinished(state):
         *_, count, error = state
-        return (error > tolerance**2) & (count < _MOST_STEPS)
+        return jnp.any(error > tolerance**2) & (count < _MOST_STEPS)
 
     empty = jax.tree.map(lambda a: jnp.zeros((_MEMORY, *a.shape), a.dtype), b)
     start = residual(b)
-    state = b, start, empty, empty, jnp.asarray(0), worst(b, start)
-    return jax.lax.while_loop(unfinished, step, state)[0]
+    state = b, start, empty, empty, jnp.asarray(0), off(b, start)
+    found, *_, error = jax.lax.while_loop(unfinished, step, state)
+    sum_is_known = error < _LOST**2
+    return jax.tree.map(
+        lambda a: jnp.where(jnp.broadcast_to(sum_is_known, a.shape), a, jnp.nan), found
+    )
 
 
 def _row(history: T, index: int) -> T:

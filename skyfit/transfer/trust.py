@@ -18,6 +18,9 @@ TOLERANCE = 0.02  # of radiance; an estimated error above it is warned of
 SHARE_OF_DISTANCE = 0.5
 _DIM = 1e-4  # of the brightest direction; darker ones are compared with this
 _MISSING = 0.02  # share of the lit air; more above the top is warned of
+# Vertical optical depth of scattering that a level is worth. Uniform haze of asymmetry 0.76 and
+# depth 0.66 a level is 2 % off with 16 levels, of depth 1 a level 8 %.
+_DEPTH_OF_LEVEL = 0.66
 _FAR = 100e3  # m above the top; what is higher scatters nothing one could see
 
 
@@ -39,11 +42,12 @@ def refuse_impossible(radiance: np.ndarray, what: str) -> None:
 
 
 def warn_of_darkness(count: int, size: int) -> None:
-    """Warn of light by night that came out below 0 and is taken for none."""
-    _warn(
-        f"simulate: {count} of {size} radiances after sunset are darker than can be told "
-        "and are 0; a higher quality tells more"
-    )
+    """Warn of light, if any, that came out below 0 and is taken for none."""
+    if count:
+        _warn(
+            f"simulate: {count} of {size} radiances are darker than can be told and are 0; "
+            "a higher quality tells more"
+        )
 
 
 def relative_difference(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
@@ -86,6 +90,19 @@ def warn_of_error(estimate: np.ndarray) -> None:
         _warn(
             f"simulate: the estimated error is up to {worst:.1%} and exceeds {TOLERANCE:.0%} in "
             f"{share:.0%} of the radiances; a higher quality lowers it"
+        )
+
+
+def warn_of_thick_air(atmosphere: Atmosphere, levels: int) -> None:
+    """Warn where air scatters too often for the levels at which light is kept."""
+    depth = np.asarray(atmosphere.vertical_column() @ atmosphere.scattering)
+    thickest = int(np.argmax(depth))
+    most = _DEPTH_OF_LEVEL * levels
+    if depth[thickest] > most:
+        _warn(
+            f"simulate: light is scattered in {depth[thickest]:.3g} optical depths at "
+            f"{float(atmosphere.wavelengths[thickest]):.0f} nm; {levels} levels follow it within "
+            f"2 % through up to {most:.3g}: a higher quality has more"
         )
 
 
