@@ -158,9 +158,9 @@ def _not_below_zero(sky: Sky, atmosphere: Atmosphere, night: np.ndarray | bool) 
     """
     radiance = sky.radiance
     dark = jnp.broadcast_to(-_DARK * atmosphere.solar_irradiance, radiance.shape)
-    night = jnp.broadcast_to(night, radiance.shape)
-    black = (radiance <= 0) & (night | (radiance > dark))
-    below = (sky.by_order < 0) & (night[None] | (sky.by_order > dark[None]))
+    dark = jnp.where(jnp.broadcast_to(night, radiance.shape), -jnp.inf, dark)
+    black = (radiance <= 0) & (radiance > dark)
+    below = (sky.by_order < 0) & (sky.by_order > dark[None])
     return Sky(jnp.where(black[None] | below, 0.0, sky.by_order), jnp.where(black, 0.0, sky.tail))
 
 
