@@ -43,10 +43,11 @@ def test_a_layer_described_as_two_is_the_same():
 
 
 def test_a_layer_alone_over_a_plane_may_lie_anywhere():
-    low, high = (sky_of(smoke(h, h + 2e3), geometry="flat") for h in (1e3, 9e3))
-    # 0.1 % is promised; 0.74 % is what it differs by at 88°, 0.18 % at the zenith: with nothing but
-    # the layer, more levels lie in empty air the higher it is.
-    np.testing.assert_allclose(high, low, rtol=1e-2)
+    low, high = (sky_of(smoke(h, h + 2e3), geometry="flat") for h in (1e3, 30e3))
+    # 0.1 % is promised, and kept but at 75° (0.11 %) and at 88° (0.29 %): the layer is thinner than
+    # the shell of air it lies in, and along a ray that grazes it 40 optical depths thick.
+    np.testing.assert_allclose(high[:-2], low[:-2], rtol=1e-3)
+    np.testing.assert_allclose(high[-2:], low[-2:], rtol=4e-3)
 
 
 @pytest.mark.parametrize("depth", [1.0, 4.0])
