@@ -103,6 +103,7 @@ def test_density_times_coefficient_is_all_that_counts():
     np.testing.assert_allclose(scaled, plain, rtol=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:simulate. light is scattered in")
 @pytest.mark.parametrize("quality", ["draft", "default"])
 def test_random_atmospheres_are_never_negative(quality):
     rng = np.random.default_rng(4)
