@@ -92,7 +92,8 @@ def benchmarks(
 ) -> int:
     """Measure the simulator on this machine, each case in a process of its own.
 
-    Some ten minutes on two cores with everything. Nothing else should be running.
+    More than ten minutes on two cores with everything, five with --no-accuracy. Nothing else should
+    be running.
     """
     with progress("benchmarks", quiet=as_json) as bar:
         record = skyfit.run_benchmarks(
