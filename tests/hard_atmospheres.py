@@ -174,3 +174,28 @@ def _constituent(shape, depth: float, albedo: float, spread) -> skyfit.Constitue
     density, column = shape
     scattering, absorption = depth * albedo / column, depth * (1 - albedo) / column
     return skyfit.Constituent(density, scattering, absorption, phase=spread)
+
+
+def random_atmosphere(rng, wavelengths):
+    """Air, haze, a layer anywhere and an absorber, over Earth, Mars or a moon."""
+    relative = np.asarray(wavelengths) / 550.0
+    bottom, depth = 10 ** rng.uniform(2, 4.6), 10 ** rng.uniform(2, 4)
+    knots = bottom + depth * np.array([0, 0.2, 0.8, 1.0])
+    haze, smoke = 10 ** rng.uniform(-2, 1.3, 2)
+    albedo = np.where(rng.random(2) < 0.3, 1.0, rng.uniform(0.3, 1, 2))
+    scale = rng.uniform(500, 3000)
+    haze = haze * relative ** rng.uniform(-2, 0.3) / scale
+    smoke = smoke * relative ** rng.uniform(-2, 0.3) / (0.8 * depth)
+    sharp = phase.HenyeyGreenstein(rng.uniform(-0.3, 0.97))
+    parts = (
+        skyfit.Constituent(profile.Exponential(rng.uniform(5e3, 12e3)),
+                    10 ** rng.uniform(-6.5, -4) * relative**-4.08, phase=phase.Rayleigh()),
+        skyfit.Constituent(profile.Exponential(scale), haze * albedo[0], haze * (1 - albedo[0]),
+                    phase=sharp),
+        skyfit.Constituent(profile.Tabulated(knots, [0, 1, 1, 0]), smoke * albedo[1],
+                    smoke * (1 - albedo[1]), phase=phase.HenyeyGreenstein(rng.uniform(0, 0.95))),
+        skyfit.Constituent(profile.Tabulated([10e3, 22e3, 40e3], [0, 1, 0]), 0.0,
+                    10 ** rng.uniform(-8, -5) * relative**3, phase=phase.Rayleigh()),
+    )  # fmt: skip
+    radius = rng.choice([6.371e6, 3.39e6, 1.2e6])
+    return skyfit.Atmosphere(wavelengths, 1.0, parts, rng.uniform(0, 1), radius, 100e3)

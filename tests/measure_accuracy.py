@@ -18,13 +18,13 @@ import jax
 jax.config.update("jax_enable_x64", True)
 
 import numpy as np  # noqa: E402
-from hard_atmospheres import hard_atmosphere  # noqa: E402
+from hard_atmospheres import hard_atmosphere, random_atmosphere  # noqa: E402
 from test_hard_atmospheres import hard_rows, monte_carlo_rows  # noqa: E402
 
 import skyfit  # noqa: E402
-from skyfit import Atmosphere, Constituent, phase, profile  # noqa: E402
 
 
+WAVELENGTHS = [400.0, 500.0, 600.0, 750.0]  # nm, of random atmospheres
 DIRECTIONS = 40  # All skies are padded to this many: one compiled program serves many.
 
 
@@ -66,38 +66,12 @@ def stored(quality, cases):
         )
 
 
-def random_atmosphere(rng):
-    """Air, haze, a layer anywhere and an absorber, over Earth, Mars or a moon; four wavelengths."""
-    wavelengths = np.array([400.0, 500.0, 600.0, 750.0])
-    relative = wavelengths / 550.0
-    bottom, depth = 10 ** rng.uniform(2, 4.6), 10 ** rng.uniform(2, 4)
-    knots = bottom + depth * np.array([0, 0.2, 0.8, 1.0])
-    haze, smoke = 10 ** rng.uniform(-2, 1.3, 2)
-    albedo = np.where(rng.random(2) < 0.3, 1.0, rng.uniform(0.3, 1, 2))
-    scale = rng.uniform(500, 3000)
-    haze = haze * relative ** rng.uniform(-2, 0.3) / scale
-    smoke = smoke * relative ** rng.uniform(-2, 0.3) / (0.8 * depth)
-    sharp = phase.HenyeyGreenstein(rng.uniform(-0.3, 0.97))
-    parts = (
-        Constituent(profile.Exponential(rng.uniform(5e3, 12e3)),
-                    10 ** rng.uniform(-6.5, -4) * relative**-4.08, phase=phase.Rayleigh()),
-        Constituent(profile.Exponential(scale), haze * albedo[0], haze * (1 - albedo[0]),
-                    phase=sharp),
-        Constituent(profile.Tabulated(knots, [0, 1, 1, 0]), smoke * albedo[1],
-                    smoke * (1 - albedo[1]), phase=phase.HenyeyGreenstein(rng.uniform(0, 0.95))),
-        Constituent(profile.Tabulated([10e3, 22e3, 40e3], [0, 1, 0]), 0.0,
-                    10 ** rng.uniform(-8, -5) * relative**3, phase=phase.Rayleigh()),
-    )  # fmt: skip
-    radius = rng.choice([6.371e6, 3.39e6, 1.2e6])
-    return Atmosphere(wavelengths, 1.0, parts, rng.uniform(0, 1), radius, 100e3)
-
-
 def random_skies(quality, count, seed):
     """Print each sky that is refused, negative or not finite, and how many were not."""
     bad = refused = 0
     for number in range(count):
         rng = np.random.default_rng([seed, number])
-        atmosphere = random_atmosphere(rng)
+        atmosphere = random_atmosphere(rng, WAVELENGTHS)
         geometry = "flat" if rng.random() < 0.2 else "spherical"
         sun = rng.uniform(0, 89 if geometry == "flat" else 98)
         high = rng.choice([0.0, 10 ** rng.uniform(2, 5.3)]) if geometry == "spherical" else 0.0

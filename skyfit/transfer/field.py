@@ -30,10 +30,9 @@ _SWING = 2.2  # sum of sizes of cubic weights between levels, at most; 1.6 where
 # Optical depths between levels: through more than these light falls by more than a cubic follows,
 # and there it is interpolated ever less by one and more by a straight line.
 _THIN, _THICK = 1.0, 2.0
-
-# How fast light falls with the sun, by the logarithm [rad⁻¹], at most, and from 7° down: light of
-# higher orders holds on. Were the fall that is divided out steeper, suns far down would tell those
-# above them more than they know, and orders would grow from one to the next (from 90 on).
+# The logarithm of light falls by this at most while the sun sinks [rad⁻¹]: light of higher orders
+# holds on. Through a steeper fall suns far down would tell those above them more than they know,
+# and each order would outgrow the one before it: measured with 97, not with 80.
 _STEEPEST = 60.0
 
 
@@ -87,7 +86,7 @@ class Grid(eqx.Module):
     def _fall(self, zenith):
         """Logarithm of how much darker it is than by day: the shadow's height over `dusk` [m]."""
         down = jnp.maximum(jnp.minimum(zenith, np.pi) - np.pi / 2, 0.0)
-        turn = _STEEPEST / jnp.maximum(self.dusk, _STEEPEST / np.radians(7.0))
+        turn = jnp.minimum(np.radians(7.0), _STEEPEST / jnp.maximum(self.dusk, 1.0))
         return self.dusk * jnp.where(down < turn, down**2 / 2, turn * (down - turn / 2))
 
     def sun_from(self) -> SunDirection:

@@ -26,6 +26,7 @@ from .views import group
 LOW_SUN = np.radians(86.0)
 HIGH_UP = 20e3  # m
 _DARK = 1e-6  # of the sunlight above the air, in a steradian: light is not known better
+_NOTICED = 1e-3  # of a radiance: less may be added to it without a word where an order was below 0
 PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
 
 
@@ -106,7 +107,8 @@ def simulate(
     radiance = np.asarray(sky.radiance)
     refuse_impossible(radiance, "simulate")
     refuse_impossible(np.asarray(sky.by_order), "simulate: of single orders,")
-    warn_of_darkness(int(((before < 0) & (radiance == 0)).sum()), radiance.size)
+    raised = radiance - before > _NOTICED * radiance
+    warn_of_darkness(int(raised.sum()), radiance.size)
     if orders != 1:
         warn_of_thick_air(atmosphere, _sizes(orders, geometry, quality).levels)
     if geometry != "flat":
@@ -153,8 +155,8 @@ def _not_below_zero(sky: Sky, atmosphere: Atmosphere, night: np.ndarray | bool) 
 
     Args:
         sky: As it was computed.
-        atmosphere: Its.
-        night: Where the sun has set, which makes all light too dark to tell.
+        atmosphere: What the sky is of; its sunlight is what darkness is measured by.
+        night: Where the sun has set: there all light below 0 is taken for none; [*batch, 1].
     """
     radiance = sky.radiance
     dark = jnp.broadcast_to(-_DARK * atmosphere.solar_irradiance, radiance.shape)

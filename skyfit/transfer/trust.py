@@ -42,11 +42,11 @@ def refuse_impossible(radiance: np.ndarray, what: str) -> None:
 
 
 def warn_of_darkness(count: int, size: int) -> None:
-    """Warn of light, if any, that came out below 0 and is taken for none."""
+    """Warn of radiances, if any, in which light that came out below 0 is taken for none."""
     if count:
         _warn(
-            f"simulate: {count} of {size} radiances are darker than can be told and are 0; "
-            "a higher quality tells more"
+            f"simulate: {count} of {size} radiances are darker than can be told; what came out "
+            "below 0 in them is 0; a higher quality tells more"
         )
 
 
@@ -94,7 +94,12 @@ def warn_of_error(estimate: np.ndarray) -> None:
 
 
 def warn_of_thick_air(atmosphere: Atmosphere, levels: int) -> None:
-    """Warn where air scatters too often for the levels at which light is kept."""
+    """Warn where air scatters too often for the levels at which light is kept.
+
+    Args:
+        atmosphere: What scatters; its vertical optical depth of scattering counts.
+        levels: How many altitudes there are at which light is kept.
+    """
     depth = np.asarray(atmosphere.vertical_column() @ atmosphere.scattering)
     thickest = int(np.argmax(depth))
     most = _DEPTH_OF_LEVEL * levels
