@@ -30,7 +30,6 @@ if TYPE_CHECKING:
         hoffman_preetham_aerial as hoffman_preetham_aerial,
         ward_larson_aerial as ward_larson_aerial,
     )
-    from .aerosol_fit import AerosolFit as AerosolFit, fit_aerosol as fit_aerosol
     from .atmosphere import (
         Atmosphere as Atmosphere,
         Constituent as Constituent,
@@ -47,16 +46,15 @@ if TYPE_CHECKING:
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
-        FormulaFit as FormulaFit,
-        Sensitivity as Sensitivity,
         SkyFit as SkyFit,
-        coefficient_sensitivity as coefficient_sensitivity,
-        colour_claim as colour_claim,
-        compare_weights as compare_weights,
         fit_sky as fit_sky,
-        ladder as ladder,
         load_fit as load_fit,
         positivity as positivity,
+    )
+    from .judging import (
+        colour_claim as colour_claim,
+        compare_weights as compare_weights,
+        ladder as ladder,
         recovery_error as recovery_error,
         shape_error as shape_error,
     )
@@ -82,6 +80,12 @@ if TYPE_CHECKING:
     from .preetham_air import preetham_atmosphere as preetham_atmosphere
     from .report.coefficients import coefficient_table as coefficient_table
     from .report.pipeline import reproduce as reproduce
+    from .retrieval import (
+        AerosolFit as AerosolFit,
+        Sensitivity as Sensitivity,
+        coefficient_sensitivity as coefficient_sensitivity,
+        fit_aerosol as fit_aerosol,
+    )
     from .runner import run_campaign as run_campaign
     from .sun import (
         clear_sky_irradiance as clear_sky_irradiance,
@@ -102,7 +106,6 @@ _NAMES = {
         "hoffman_preetham_aerial",
         "ward_larson_aerial",
     ),
-    "aerosol_fit": ("AerosolFit", "fit_aerosol"),
     "atmosphere": ("Atmosphere", "Constituent", "Refraction"),
     "bands": ("Bands",),
     "benchmark": ("run_benchmarks",),
@@ -113,21 +116,8 @@ _NAMES = {
     "description": ("PaperAtmosphere",),
     "description.bands": ("oxygen", "water_vapour"),
     "export": ("export_fit",),
-    "fitting": (
-        "Dependence",
-        "FormulaFit",
-        "Sensitivity",
-        "SkyFit",
-        "coefficient_sensitivity",
-        "colour_claim",
-        "compare_weights",
-        "fit_sky",
-        "ladder",
-        "load_fit",
-        "positivity",
-        "recovery_error",
-        "shape_error",
-    ),
+    "fitting": ("Dependence", "SkyFit", "fit_sky", "load_fit", "positivity"),
+    "judging": ("colour_claim", "compare_weights", "ladder", "recovery_error", "shape_error"),
     "marcher": ("scs_air", "scs_atmosphere", "scs_sky"),
     "measurements": ("cornell_skies",),
     "models": (
@@ -146,6 +136,7 @@ _NAMES = {
     "preetham_air": ("preetham_atmosphere",),
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
+    "retrieval": ("AerosolFit", "Sensitivity", "coefficient_sensitivity", "fit_aerosol"),
     "runner": ("run_campaign",),
     "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),

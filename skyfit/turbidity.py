@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 from ._typing import ArrayLike, as_float, as_parameter, check
 from .constants import TOP_OF_ATMOSPHERE, TURBIDITY_WAVELENGTH
 from .models.preetham import TURBIDITY_RANGE, ZENITH_ANGLE, ZENITH_LUMINANCE
-from .models.zenith import TangentZenith
+from .models.scale import TangentZenith
 from .preetham_air import haze_scattering, rayleigh_scattering
 from .profile import StandardAtmosphere, elterman_haze
 from .sun.light import ANGSTROM_EXPONENT

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import skyfit
-from skyfit import aerosol_fit
+from skyfit.retrieval import aerosol_fit
 from skyfit.transfer.quality import QUALITIES, Directions
 
 

@@ -1,5 +1,6 @@
 """Exported skies, compiled and run, against the models they were written from."""
 
+import dataclasses
 import json
 
 import equinox as eqx
@@ -17,8 +18,8 @@ from skyfit.export import FORMATS, export_fit
 from skyfit.export.description import Function
 from skyfit.export.dialect import AbstractDialect
 from skyfit.export.languages import Glsl, JavaScript, Python
-from skyfit.models.perez import PerezSky
-from skyfit.models.zenith import CubicZenith, TangentZenith
+from skyfit.models.basis import Basis
+from skyfit.models.scale import CubicZenith, PaperZenith, TangentZenith
 
 
 PUBLISHED = skyfit.preetham_sky(3.0)
@@ -40,22 +41,31 @@ def one_sky():
         return jnp.zeros_like(numbers).at[-1].set(last)
 
     turbidity = np.pi
-    lines = fixed(jnp.moveaxis(PUBLISHED.coefficients, -1, 0), [turbidity, 1.0])
-    a, b, c, d = PUBLISHED.zenith_luminance.linear
-    p, q = PUBLISHED.zenith_luminance.angle
-    return PerezSky(
-        parameter=jnp.asarray(0.0),
-        coefficients=jnp.moveaxis(lines, 0, -1),
-        zenith_x=CubicZenith(fixed(PUBLISHED.zenith_x.matrix, [turbidity**2, turbidity, 1.0])),
-        zenith_y=CubicZenith(fixed(PUBLISHED.zenith_y.matrix, [turbidity**2, turbidity, 1.0])),
-        zenith_luminance=TangentZenith(
-            jnp.stack([0.0, a * turbidity + b, 0.0, c * turbidity + d]),
-            jnp.stack([p + q * turbidity, 0.0]),
+    zenith = PUBLISHED.scale
+    a, b, c, d = zenith.luminance.linear
+    p, q = zenith.luminance.angle
+    cubic = [turbidity**2, turbidity, 1.0]
+    return dataclasses.replace(
+        PUBLISHED,
+        swept={},
+        ranges=(),
+        basis=Basis(),
+        numbers=preetham_coefficients(turbidity)[..., None],
+        scale=PaperZenith(
+            CubicZenith(fixed(zenith.x.matrix, cubic)),
+            CubicZenith(fixed(zenith.y.matrix, cubic)),
+            TangentZenith(
+                jnp.stack([0.0, a * turbidity + b, 0.0, c * turbidity + d]),
+                jnp.stack([p + q * turbidity, 0.0]),
+            ),
+            "",
         ),
-        parameter_name="",
-        parameter_range=(0.0, 0.0),
-        sun_zenith_range=(0.0, np.pi / 2),
     )
+
+
+def preetham_coefficients(turbidity):
+    """A to E of the published sky."""
+    return skyfit.preetham_sky(turbidity).coefficients(0.5)
 
 
 def rows(sun, view, azimuth, turbidity=None):
@@ -97,7 +107,7 @@ def worst(got, want):
 
 def at_turbidity(data):
     """The published sky at the turbidities of the rows."""
-    return eqx.tree_at(lambda sky: sky.parameter, PUBLISHED, jnp.asarray(data[:, 9]))
+    return eqx.tree_at(lambda sky: sky.swept["turbidity"], PUBLISHED, jnp.asarray(data[:, 9]))
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from exported import run, validate_shader
 from test_export import EDGES, expected, random_rows, rows, worst
-from test_models_formula import BASES, sky_of
+from test_models_formula import BASES, free_start, sky_of
 
 from skyfit.export import export_fit
-from skyfit.models.basis import Polynomial
-from skyfit.models.shapes import SHAPES, shape_from
+from skyfit.models.basis import Basis, Chebyshev
+from skyfit.models.domes import DISTRIBUTIONS, distribution_from
 
 
 WAVELENGTHS = [420.0, 520.5, 640.0]
@@ -28,23 +28,25 @@ CASES = [
 ]
 
 
+# Which of a distribution's starts is nearly uniform.
+NEARLY_UNIFORM = {"perez": -1, "cie": -1, "hosek-wilkie": -1, "series": 0}
+
+
 def sky(shape, basis, kind):
     bands = WAVELENGTHS if kind == "bands" else None
-    model = sky_of(shape_from({"name": shape}), BASES[basis], kind, bands)
+    model = sky_of(distribution_from({"name": shape}), BASES[basis], kind, bands)
     if kind != "Yxy":
         return model
     # Chromaticities are nearly uniform, around 0.3.
-    only = np.ones(BASES[basis].num_terms)
-    if basis != "nodes":
-        only[1:] = 0
-    start = np.array(model.shape.starts()[-1])
+    only = BASES[basis].constant()
+    start = free_start(model.distribution, NEARLY_UNIFORM[shape])
     numbers = model.numbers.at[:2].set(start[:, None] * only)
-    scales = model.scales.at[:2].set(np.log(0.3) * only)
-    return eqx.tree_at(lambda m: (m.numbers, m.scales), model, (numbers, scales))
+    scales = model.scale.numbers.at[:2].set(np.log(0.3) * only)
+    return eqx.tree_at(lambda m: (m.numbers, m.scale.numbers), model, (numbers, scales))
 
 
 def at_turbidity(model, data):
-    return eqx.tree_at(lambda m: m.parameter, model, jnp.asarray(data[:, 9]))
+    return eqx.tree_at(lambda m: m.swept["turbidity"], model, jnp.asarray(data[:, 9]))
 
 
 def compared(model, language, where, seed, deepest_sun):
@@ -72,7 +74,7 @@ def test_other_languages_have_the_models_colours(language, tmp_path):
     assert found < (1e-4 if language == "hlsl" else 1e-9)
 
 
-@pytest.mark.parametrize(("shape", "basis"), list(itertools.product(SHAPES, BASES)))
+@pytest.mark.parametrize(("shape", "basis"), list(itertools.product(DISTRIBUTIONS, BASES)))
 def test_every_formula_is_taken_by_glslang(shape, basis, tmp_path):
     code = export_fit(sky(shape, basis, "XYZ"), "glsl")
     main = (
@@ -97,11 +99,8 @@ def test_nothing_breaks_at_the_horizon_at_the_sun_and_at_night(shape, basis, kin
 
 
 def test_a_formula_of_one_sky_takes_no_parameter(tmp_path):
-    basis = Polynomial((0.0, 0.0), (0.1, 1.4), 0, 2)
-    model = sky_of(shape_from({"name": "cie"}), basis, parameter=0.0)
-    model = eqx.tree_at(lambda m: m.basis, model, basis)
-    object.__setattr__(model, "parameter_name", "")
-    object.__setattr__(model, "parameter_range", (0.0, 0.0))
+    basis = Basis((Chebyshev("sun_zenith", (0.1, 1.4), 2),))
+    model = sky_of(distribution_from({"name": "cie"}), basis)
     data = random_rows(9, 1000, swept=False)
     got = run(export_fit(model, "c"), "c", data, tmp_path)
     assert worst(got, expected(model, data)) < 1e-9
@@ -110,8 +109,9 @@ def test_a_formula_of_one_sky_takes_no_parameter(tmp_path):
 def test_json_has_every_number_and_the_bands():
     model = sky("hosek-wilkie", "nodes", "bands")
     document = json.loads(export_fit(model, "json"))
-    assert document["shape"]["name"] == "hosek-wilkie"
-    assert document["dependence"]["kind"] == "nodes"
+    assert document["distribution"]["name"] == "hosek-wilkie"
+    assert [axis["kind"] for axis in document["basis"]] == ["tents", "tents"]
     table = document["numbers"]["radiance_420nm"]
     np.testing.assert_array_equal(table, model.numbers[0])
-    assert "radiance_520_5nm" in document["scale"]["numbers"]
+    assert "radiance_520_5nm" in document["numbers"]
+    np.testing.assert_array_equal(document["scale"]["numbers"], model.scale.numbers)

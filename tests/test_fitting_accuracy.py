@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from model_skies import DIRECTIONS, SUNS, TURBIDITIES, model_skies
 
-from skyfit.fitting import fit_sky, recovery_error, shape_error
+from skyfit.fitting import fit_sky
+from skyfit.judging import recovery_error, shape_error
 from skyfit.models import preetham_sky
 
 

@@ -1,15 +1,18 @@
 """Standard errors and condition numbers against textbook cases."""
 
 import numpy as np
+import pytest
+from model_skies import model_skies, noisy
 
-from skyfit.fitting.dependence import linear_in
-from skyfit.fitting.diagnostics import (
-    condition_number,
-    covariance,
-    line_with_errors,
-    loose_combinations,
-)
-from skyfit.fitting.distribution import PerezDistribution
+from skyfit._typing import as_float
+from skyfit.fitting.batch import fit_groups
+from skyfit.fitting.choices import NAMED, FitSettings
+from skyfit.fitting.diagnostics import lane, loose_combinations, spectrum, variance
+from skyfit.fitting.fit import PUBLISHED, _errors
+from skyfit.fitting.problem import normal_equations, objective
+from skyfit.fitting.skies import read_skies
+from skyfit.models.domes import Series
+from skyfit.models.perez import Perez
 
 
 def test_errors_of_a_straight_line_are_those_of_the_textbook():
@@ -17,22 +20,16 @@ def test_errors_of_a_straight_line_are_those_of_the_textbook():
     # -0.1, 0.8, -1.3, 0.6, s² = 2.7 / (4 - 2); var b = s² / 5, var a = s² (1/4 + 1.5² / 5).
     x, y = np.arange(4.0), np.array([1.0, 3.0, 2.0, 5.0])
     jacobian = np.stack([np.ones(4), x], axis=1)
-    residual = jacobian @ [1.1, 1.1] - y
-    spread = covariance(jacobian, residual)
+    noise = variance(jacobian @ [1.1, 1.1] - y, 2)
+    assert noise == pytest.approx(1.35, rel=1e-12)
+    spread = noise * spectrum(jacobian.T @ jacobian).covariance()
     np.testing.assert_allclose(np.diag(spread), [1.35 * 0.7, 1.35 / 5], rtol=1e-12)
     np.testing.assert_allclose(spread[0, 1], -1.35 * 1.5 / 5, rtol=1e-12)
 
 
-def test_residuals_without_weight_do_not_count():
-    rng = np.random.default_rng(0)
-    jacobian, residual = rng.standard_normal((20, 3)), rng.standard_normal(20)
-    padded = np.r_[jacobian, np.zeros((7, 3))], np.r_[residual, np.zeros(7)]
-    np.testing.assert_allclose(covariance(*padded), covariance(jacobian, residual), rtol=1e-12)
-
-
 def test_a_parameter_nobody_sees_has_no_variance_rather_than_nan():
     jacobian = np.stack([np.arange(5.0), np.zeros(5)], axis=1)
-    spread = covariance(jacobian, np.ones(5))
+    spread = spectrum(jacobian.T @ jacobian).covariance()
     assert spread[0, 0] > 0
     np.testing.assert_array_equal(spread[1], 0)
 
@@ -42,24 +39,64 @@ def test_condition_number_ignores_units():
     jacobian = np.array([[1.0, np.cos(angle)], [0.0, np.sin(angle)]])
     # Two unit vectors at an angle α have singular values √(1 ± cos α), a ratio of cot(α/2).
     want = 1 / np.tan(angle / 2)
-    np.testing.assert_allclose(condition_number(jacobian), want, rtol=1e-8)
-    np.testing.assert_allclose(condition_number(jacobian * [1e-6, 1e3]), want, rtol=1e-8)
+    for units in ([1.0, 1.0], [1e-6, 1e3]):
+        scaled = jacobian * units
+        # The normal matrix squares the condition number, and with it rounding errors.
+        np.testing.assert_allclose(spectrum(scaled.T @ scaled).condition, want, rtol=1e-6)
+
+
+def found(deviations):
+    """A spectrum of independent coordinates with these standard deviations."""
+    return spectrum(np.diag(1 / np.square(np.maximum(deviations, 1e-3))))
 
 
 def test_a_factor_of_less_than_e_to_the_half_is_identified():
-    distribution = PerezDistribution()
-    spread = np.diag([0.0, 0.0, 0.0, 0.49, 0.0]) ** 2
-    assert loose_combinations(spread, distribution, ("",)) == ()
-    spread = np.diag([0.0, 0.0, 0.0, 0.6, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0]) ** 2
-    assert loose_combinations(spread, distribution, ("turbidity 2", "turbidity 6")) == (
+    perez = Perez()
+    assert loose_combinations(found([0, 0, 0, 0.49, 0]), 1.0, perez, ()) == ()
+    loose = found([0, 0, 0, 0.6, 0, 0, 3.0, 0, 0, 0])
+    assert loose_combinations(loose, 1.0, perez, ("turbidity 2", "turbidity 6")) == (
         "A and B at a given slope near the zenith at turbidity 6 (±3)",
         "C, D and E at a given slope near the sun at turbidity 2 (±0.6)",
     )
 
 
+def test_two_numbers_that_trade_are_named_together():
+    series = Series((0.5,), (0,), (), ())
+    jacobian = np.array([[1.0, 1.0], [1e-3, -1e-3]])
+    (words,) = loose_combinations(spectrum(jacobian.T @ jacobian), 1.0, series, ())
+    assert words.startswith(("w00 with w10 (±", "w10 with w00 (±"))
+
+
 def test_errors_at_the_ends_become_errors_of_slope_and_intercept():
     # Ends at 2 and 6, both with a variance of 1: var slope = 2 / 16, intercept = (6² + 2²) / 16.
-    nodes = np.array([[3.0], [5.0]])
-    line, errors = line_with_errors(nodes, np.eye(2), linear_in([2.0, 6.0]))
-    np.testing.assert_allclose(line, [[0.5, 2.0]], rtol=1e-12)
+    skies = read_skies(model_skies(turbidities=(2.0, 6.0), suns=[0.5]))
+    convert = NAMED["linear"].from_fitted(skies)
+    np.testing.assert_allclose(convert @ [3.0, 5.0], [0.5, 2.0], rtol=1e-12)
+    errors = _errors(np.eye(2).reshape(2, 1, 2, 1), convert)
     np.testing.assert_allclose(errors, [[np.sqrt(2) / 4, np.sqrt(40) / 4]], rtol=1e-12)
+
+
+def test_one_value_of_the_parameter_allows_no_slope():
+    skies = read_skies(model_skies(turbidities=(3.0,)))
+    assert NAMED["linear"].basis(skies).num_terms == 1
+    np.testing.assert_array_equal(NAMED["linear"].from_fitted(skies), [[1.0]])
+
+
+@pytest.mark.parametrize("dependence", ["linear", "polynomial"])
+def test_normal_equations_in_closed_form_are_those_of_the_jacobian(dependence):
+    import jax
+
+    skies = read_skies(noisy(model_skies(), 0.05))
+    formula = type(PUBLISHED)(PUBLISHED.distribution, NAMED[dependence])
+    fit = fit_groups(skies, formula, FitSettings(prior=0.3))
+    problem = lane(fit.problem, 2, fit.basis.num_terms)
+    size = fit.basis.num_terms * 5
+    free = as_float(np.asarray(fit.solution.free)[2, :size])
+    free = free + 0.1 * as_float(np.random.default_rng(0).standard_normal(size))
+    loss, gram, slope = normal_equations(free, problem)
+    residual, jacobian = objective(free, problem), jax.jacfwd(objective)(free, problem)
+    np.testing.assert_allclose(loss, 0.5 * residual @ residual, rtol=1e-12)
+    scale = np.abs(gram).max()
+    np.testing.assert_allclose(gram, jacobian.T @ jacobian, rtol=1e-9, atol=1e-12 * scale)
+    slopes = jacobian.T @ residual
+    np.testing.assert_allclose(slope, slopes, rtol=1e-9, atol=1e-11 * np.abs(slopes).max())

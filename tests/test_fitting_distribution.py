@@ -1,16 +1,16 @@
-"""Free coordinates of Perez's coefficients, and how coefficients depend on the parameter."""
+"""Free coordinates of coefficients: there and back, bounds, gradients."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from skyfit.fitting.dependence import Constant, Linear, linear_in
-from skyfit.fitting.distribution import PerezDistribution
+from skyfit.models.domes import DISTRIBUTIONS
+from skyfit.models.perez import Perez
 from skyfit.models.preetham import published_coefficients
 
 
-PEREZ = PerezDistribution()
+PEREZ = Perez()
 PUBLISHED = np.concatenate(
     [published_coefficients() @ [turbidity, 1.0] for turbidity in (2.0, 4.0, 6.0)]
 )
@@ -52,25 +52,12 @@ def test_large_c_and_small_d_hide_behind_one_finite_coordinate():
     assert c > 100
 
 
-def test_the_zenith_relative_to_itself_is_one():
-    for coefficients in PUBLISHED:
-        sun = jnp.asarray(0.7)
-        got = PEREZ.relative(jnp.asarray(coefficients), jnp.asarray(1.0), sun, sun)
-        np.testing.assert_allclose(got, 1, rtol=1e-15)
-
-
-def test_a_line_through_the_ends_is_the_line_it_was():
-    nodes = PUBLISHED.reshape(3, 3, 5)[[0, 2], 2]
-    dependence = linear_in([2.0, 6.0, 3.0])
-    assert isinstance(dependence, Linear)
-    line = dependence.line(jnp.asarray(nodes))
-    np.testing.assert_allclose(line, published_coefficients()[2], atol=1e-14)
-    middle = dependence.basis(jnp.array([4.0])) @ nodes
-    np.testing.assert_allclose(middle[0], PUBLISHED.reshape(3, 3, 5)[1, 2], rtol=1e-14)
-
-
-def test_one_value_of_the_parameter_allows_no_slope():
-    dependence = linear_in([3.0, 3.0])
-    assert isinstance(dependence, Constant)
-    line = dependence.line(jnp.ones((1, 5)))
-    np.testing.assert_array_equal(line, np.tile([0.0, 1.0], (5, 1)))
+@pytest.mark.parametrize("name", DISTRIBUTIONS)
+def test_starts_come_back_from_their_free_numbers_and_coordinates(name):
+    distribution = DISTRIBUTIONS[name]()
+    for start in distribution.starts("Y"):
+        coefficients = jnp.asarray(start)
+        free = distribution.free_numbers(coefficients)
+        np.testing.assert_allclose(distribution.coefficients(free), start, rtol=1e-12)
+        free = distribution.release(coefficients)
+        np.testing.assert_allclose(distribution.constrain(free), start, rtol=1e-9)

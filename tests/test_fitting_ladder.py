@@ -2,23 +2,24 @@
 
 import json
 
+import jax
 import numpy as np
 import pytest
 from model_skies import model_skies, noisy
 
 from skyfit.cli import run
 from skyfit.dataset import SCHEMA, save_dataset
-from skyfit.fitting import Dependence, colour_claim, ladder
+from skyfit.fitting import Dependence
 from skyfit.fitting.channels import read_channels
-from skyfit.fitting.choices import chosen_shape
-from skyfit.fitting.formula_fit import fit_formula
-from skyfit.fitting.groups import FitSettings
-from skyfit.fitting.ladder import leave_out
+from skyfit.fitting.choices import chosen_formula
+from skyfit.fitting.fit import fit_formula
 from skyfit.fitting.skies import read_skies
-from skyfit.models.shapes import SeriesShape
+from skyfit.judging import colour_claim, ladder
+from skyfit.judging.ladder import leave_out
+from skyfit.models.domes import Series
 
 
-SMALL = SeriesShape((0.5,), (0, 2), (1.0,), (0.6,))
+SMALL = Series((0.5,), (0, 2), (1.0,), (0.6,))
 LOW = Dependence(parameter_degree=1, sun_degree=1)
 SUNS = np.radians([5.0, 25.0, 45.0, 60.0, 75.0])
 
@@ -36,11 +37,14 @@ def others():
 def test_every_inner_sun_and_value_is_left_out_once_and_no_end(skies):
     table = read_skies(skies)
     folds = np.array(list(leave_out(table)))
-    ends = np.isin(table.parameter, (2.0, 6.0)) & np.isin(table.sun_zenith, SUNS[[0, -1]])
+    at_end = np.isin(table.swept["turbidity"], (2.0, 6.0))
+    ends = at_end & np.isin(table.sun_zenith, SUNS[[0, -1]])
     assert not folds[:, ends].any()
-    inner_sun = np.isin(table.sun_zenith, SUNS[1:-1]) & np.isin(table.parameter, (2.0, 6.0))
+    inner_sun = np.isin(table.sun_zenith, SUNS[1:-1]) & np.isin(
+        table.swept["turbidity"], (2.0, 6.0)
+    )
     np.testing.assert_array_equal(folds[:, inner_sun].sum(0), 1)
-    assert folds.any(0)[table.parameter == 3.5].all()
+    assert folds.any(0)[table.swept["turbidity"] == 3.5].all()
     with pytest.raises(ValueError, match="nothing to leave out"):
         list(leave_out(table.subset(ends)))
 
@@ -50,21 +54,18 @@ def test_a_fit_does_not_see_what_is_left_out(skies):
     away = next(iter(leave_out(table)))
     spoiled = read_skies(skies)
     spoiled.values[:, away] *= np.linspace(0.5, 2.0, away.sum())[:, None]
-    for shape in (SMALL, chosen_shape("perez")):
-        fits = [
-            fit_formula(data, FitSettings(), shape, LOW, use=~away) for data in (table, spoiled)
-        ]
-        for name in ("x", "y", "Y"):
-            for field in ("coefficients", "scale"):
-                one, other = (getattr(fit, field)[name] for fit in fits)
-                np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+    for shape, dependence in ((SMALL, LOW), ("perez", LOW), ("perez", "linear"), ("cie", "linear")):
+        formula = chosen_formula(shape, dependence)
+        fits = [fit_formula(data, formula, use=~away) for data in (table, spoiled)]
+        for one, other in zip(*map(jax.tree.leaves, fits), strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
 
 
 def test_errors_are_those_of_a_loop_over_skies(skies, others):
     (rung,) = ladder(
         skies, held_out=others, distributions=(SMALL,), dependences=(LOW,), channels=("XYZ",)
     )
-    fit = fit_formula(read_channels(skies, "XYZ"), FitSettings(), SMALL, LOW)
+    fit = fit_formula(read_channels(skies, "XYZ"), chosen_formula(SMALL, LOW))
     inside = others["view_zenith"].values < np.radians(85.1)
     light, colour = [], []
     for turbidity in (2.5, 5.0):

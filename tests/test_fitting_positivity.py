@@ -12,6 +12,7 @@ from skyfit.colour import matching_functions
 from skyfit.fitting import Positivity, positivity
 from skyfit.fitting.positivity import locus_margin
 from skyfit.models import preetham_sky
+from skyfit.models.basis import Basis, Line
 
 
 def test_margins_are_distances_from_the_edge_of_all_colours():
@@ -31,7 +32,13 @@ def test_margins_are_distances_from_the_edge_of_all_colours():
 def raw(turbidity):
     """The published formulas where nobody holds the turbidity within bounds."""
     held = preetham_sky(3.0)
-    return dataclasses.replace(held, parameter=as_float(turbidity), parameter_range=(1.0, 20.0))
+    anywhere = (1.0, 20.0)
+    return dataclasses.replace(
+        held,
+        swept={"turbidity": as_float(turbidity)},
+        ranges=(("turbidity", anywhere),),
+        basis=Basis((Line("turbidity", anywhere),)),
+    )
 
 
 def test_the_published_model_is_negative_below_its_pole_and_black_in_thick_haze():
@@ -60,7 +67,7 @@ def test_the_published_model_is_sound_where_it_is_held():
 
 def test_a_sky_that_goes_wrong_at_one_place_is_found_there():
     class Sky:
-        parameter_name = parameter_range = None
+        swept = {}  # noqa: RUF012
 
         def sky(self):
             return self

@@ -21,6 +21,10 @@ def saved(fit, tmp_path):
     return path
 
 
+def zenith(document):
+    return document["formula"]["scale"]["numbers"]
+
+
 def edited(path, change):
     document = json.loads(path.read_text())
     change(document)
@@ -46,11 +50,10 @@ def test_a_fit_comes_back_equal(fit, saved):
 
 def test_a_file_says_what_it_is_and_where_it_is_from(saved):
     document = json.loads(saved.read_text())
-    assert document["schema"] == "skyfit/fit/2"
-    assert document["form"] == "published"
+    assert document["schema"] == "skyfit/fit/3"
     assert document["provenance"]["data"] == {"title": "skies of a model"}
     assert "jax" in document["provenance"]["versions"]
-    assert document["parameter_range"] == [2.0, 6.0]
+    assert document["formula"]["ranges"] == {"turbidity": [2.0, 6.0]}
     assert document["settings"]["weights"] == "equal"
 
 
@@ -69,11 +72,11 @@ def test_a_saved_fit_may_be_replaced_but_nothing_else(fit, saved, tmp_path):
     [
         (lambda d: d.update(schema="skyfit/fit/9"), "schema is 'skyfit/fit/9', expected"),
         (lambda d: d.pop("schema"), "schema is 'missing', expected"),
-        (lambda d: d.pop("zenith"), "key 'zenith' is missing"),
-        (lambda d: d["coefficients"].pop("x"), "key 'x' is missing"),
-        (lambda d: d["coefficients"]["Y"].pop(), r"coefficients.Y: expected \(5, 2\) numbers"),
-        (lambda d: d["zenith"]["Y"].update(angle=[1.0]), r"zenith.Y.angle: expected \(2,\)"),
-        (lambda d: d["coefficients"].update(y=[["a", 1]]), r"coefficients.y: expected \(5, 2\)"),
+        (lambda d: d["formula"].pop("scale"), "key 'scale' is missing"),
+        (lambda d: d["formula"]["numbers"].pop("x"), "key 'x' is missing"),
+        (lambda d: d["formula"]["numbers"]["Y"].pop(), r"numbers.Y: expected \(5, 2\) numbers"),
+        (lambda d: zenith(d)["Y"].update(angle=[1.0]), r"Y.angle: expected \(2,\) numbers"),
+        (lambda d: d["formula"]["numbers"].update(y=[["a", 1]]), r"numbers.y: expected \(5, 2\)"),
     ],
 )  # fmt: skip
 def test_a_broken_file_is_refused_by_name_and_key(saved, change, message):

@@ -4,14 +4,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-import skyfit.fitting.sensitivity
+import skyfit.retrieval.sensitivity
 from skyfit import constants
 from skyfit.atmosphere import Atmosphere, Constituent
 from skyfit.campaign import half_dome
-from skyfit.fitting import coefficient_sensitivity
 from skyfit.phase import HenyeyGreenstein, Rayleigh
 from skyfit.preetham_air import rayleigh_scattering, solar_irradiance
 from skyfit.profile import Exponential
+from skyfit.retrieval import coefficient_sensitivity
 
 
 LAM = np.array([450.0, 550.0, 650.0])
@@ -88,12 +88,12 @@ def test_what_cannot_be_varied_is_refused(at, changed, message):
 
 def test_the_coefficients_are_those_of_the_fit(monkeypatch):
     fits = []
-    fit_groups = skyfit.fitting.sensitivity.fit_groups
+    fit_groups = skyfit.retrieval.sensitivity.fit_groups
     monkeypatch.setattr(
-        skyfit.fitting.sensitivity,
+        skyfit.retrieval.sensitivity,
         "fit_groups",
         lambda *given: fits.append(fit_groups(*given)) or fits[0],
     )
     found = np.stack(list(sensitivity(HERE).coefficients.values()))
     # The solver stops where the loss cannot fall by 1e-13 of itself: 1e-6 off where it is flat.
-    np.testing.assert_allclose(found, fits[0].nodes[:, 0, 0], rtol=1e-4)
+    np.testing.assert_allclose(found, fits[0].numbers[:, 0, 0], rtol=1e-4)

@@ -1,5 +1,7 @@
 """What a fit reads from a dataset, and what it refuses."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -20,9 +22,9 @@ def angle(sun, view, azimuth):
 
 def test_skies_come_in_a_row_with_their_sun_and_turbidity():
     skies = read_skies(DATA)
-    assert skies.parameter_name == "turbidity"
+    assert list(skies.swept) == ["turbidity"]
     assert skies.shape == (len(TURBIDITIES), len(SUNS))
-    np.testing.assert_array_equal(skies.parameter, np.repeat(TURBIDITIES, len(SUNS)))
+    np.testing.assert_array_equal(skies.swept["turbidity"], np.repeat(TURBIDITIES, len(SUNS)))
     np.testing.assert_array_equal(skies.sun_zenith, np.tile(SUNS, len(TURBIDITIES)))
     # sky 5 is T = 3.5 under the second sun
     want = preetham_sky(3.5).xyY(SUNS[1], *DIRECTIONS)
@@ -50,7 +52,7 @@ def test_colours_follow_from_radiance_where_they_are_not_given():
     want = read_skies(model_skies(turbidities=[3.0]))
     # As well as a daylight spectrum carries a chromaticity
     np.testing.assert_allclose(got.values, want.values, rtol=2e-3)
-    assert got.parameter_name is None
+    assert got.swept == {}
 
 
 def test_measured_skies_have_a_time_and_azimuths_of_their_own():
@@ -69,7 +71,7 @@ def test_measured_skies_have_a_time_and_azimuths_of_their_own():
         },
     )
     skies = read_skies(data)
-    assert skies.parameter_name is None
+    assert skies.swept == {}
     np.testing.assert_array_equal(skies.sun_zenith, sun)
     np.testing.assert_allclose(skies.gamma[2], angle(0.5, DIRECTIONS[0], azimuth[2]), rtol=1e-12)
 
@@ -94,8 +96,20 @@ def test_equal_weights_stop_at_the_limit_and_include_it():
 
 def test_groups_of_unequal_size_are_padded():
     skies = read_skies(DATA)
-    object.__setattr__(skies, "parameter", np.array([1.0, 2, 2, 2]))
-    np.testing.assert_array_equal(skies.groups("parameter"), [[0, -1, -1], [1, 2, 3]])
+    four = np.arange(skies.count) < 4
+    values = np.array([1.0, 2, 2, 2])
+    skies = dataclasses.replace(
+        skies.subset(four), swept={"turbidity": values, "albedo": 0 * values}
+    )
+    np.testing.assert_array_equal(skies.groups("swept"), [[0, -1, -1], [1, 2, 3]])
+
+
+def test_several_parameters_may_be_swept():
+    skies = read_skies(DATA.expand_dims(albedo=[0.1, 0.2]))
+    assert set(skies.swept) == {"turbidity", "albedo"}
+    assert skies.count == 2 * len(TURBIDITIES) * len(SUNS)
+    assert skies.ranges == {"albedo": (0.1, 0.2), "turbidity": (2.0, 6.0)}
+    assert skies.groups("swept").shape == (2 * len(TURBIDITIES), len(SUNS))
 
 
 def broken(**changes):
@@ -121,7 +135,6 @@ def in_degrees(name):
         (in_degrees("view_zenith"), "view_zenith must lie in 0 to π rad; got 10"),
         (DATA.drop_vars("view_zenith"), "expected a variable 'view_zenith'"),
         (DATA.drop_vars("x"), r"\['x'\] are missing"),
-        (DATA.expand_dims(albedo=[0.1, 0.2]), "expected one swept dimension; got"),
         (DATA.drop_vars("turbidity"), "dimension 'turbidity' has no coordinate values"),
     ],
 )  # fmt: skip

@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 from model_skies import model_skies
 
-from skyfit.fitting.groups import FitSettings, fit_groups
+from skyfit.fitting.batch import fit_groups
+from skyfit.fitting.choices import FitSettings
+from skyfit.fitting.fit import PUBLISHED
+from skyfit.fitting.lanes import solve_from_starts
 from skyfit.fitting.skies import read_skies
-from skyfit.fitting.starts import solve_from_starts
 from skyfit.models.preetham import published_coefficients
 
 
@@ -17,7 +19,7 @@ SKIES = read_skies(model_skies(turbidities=[3.0], suns=[0.7]))
 
 @pytest.fixture(scope="module")
 def problem():
-    return fit_groups(SKIES, FitSettings(prior=0.0), "sky", again=False).problem
+    return fit_groups(SKIES, PUBLISHED, FitSettings(prior=0.0), "sky", again=False).problem
 
 
 def free(problem, coefficients):

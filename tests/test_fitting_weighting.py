@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from model_skies import model_skies
 
-from skyfit.fitting import compare_weights, fit_sky
+from skyfit.fitting import fit_sky
+from skyfit.judging import compare_weights
 from skyfit.models.preetham import published_coefficients
 
 

@@ -17,7 +17,7 @@ from skyfit.models import (
     overcast_blend_sky,
     preetham_sky,
 )
-from skyfit.models.distributions import (
+from skyfit.models.standard_skies import (
     Intermediate,
     clear_distribution,
     general_distribution,

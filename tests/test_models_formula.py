@@ -12,17 +12,37 @@ import pytest
 from skyfit._typing import as_float
 from skyfit.angles import unit_vector, view_sun_angle
 from skyfit.colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz
-from skyfit.models.basis import Nodes, Polynomial, basis_from
+from skyfit.models.basis import Basis, Chebyshev, Line, Tents, basis_from
+from skyfit.models.domes import DISTRIBUTIONS, Series, distribution_from
 from skyfit.models.formula import FormulaSky
-from skyfit.models.shapes import SHAPES, SeriesShape, shape_from
+from skyfit.models.scale import LogScale, scale_from
 
 
+TURBIDITIES, SUNS = (2.0, 6.0), (0.1, 1.4)
+
+
+def polynomial(parameter_degree, sun_degree, function="identity"):
+    """A polynomial in turbidity and the sun."""
+    return Basis(
+        (
+            Chebyshev("turbidity", TURBIDITIES, parameter_degree),
+            Chebyshev("sun_zenith", SUNS, sun_degree, function),
+        )
+    )
+
+
+NODES = ([2.0, 3.0, 6.0], [0.1, 0.8, 1.1, 1.4])
 BASES = {
-    "polynomial": Polynomial((2.0, 6.0), (0.1, 1.4), 2, 3),
-    "cosine": Polynomial((2.0, 6.0), (0.1, 1.4), 1, 2, "cosine"),
-    "root": Polynomial((2.0, 6.0), (0.1, 1.4), 1, 2, "cube root of elevation"),
-    "nodes": Nodes([2.0, 3.0, 6.0], [0.1, 0.8, 1.1, 1.4]),
+    "polynomial": polynomial(2, 3),
+    "cosine": polynomial(1, 2, "cosine"),
+    "root": polynomial(1, 2, "cube root of elevation"),
+    "nodes": Basis((Tents("turbidity", NODES[0]), Tents("sun_zenith", NODES[1]))),
 }
+
+
+def terms_at(basis, turbidity, sun):
+    """Terms of a basis at a turbidity and a sun."""
+    return basis.terms({"turbidity": as_float(turbidity), "sun_zenith": as_float(sun)})
 
 
 PAIRS = [
@@ -37,29 +57,35 @@ def numbers_of(shape, basis, seed=0):
     """Free numbers near the shape's start that change a little with parameter and sun."""
     rng = np.random.default_rng(seed)
     table = 0.05 * rng.standard_normal((3, len(shape.names), basis.num_terms))
-    start = np.array(shape.starts()[0])
-    if isinstance(basis, Nodes):
-        return table + start[:, None]
-    table[..., 0] += start
-    return table
+    return table + free_start(shape)[:, None] * basis.constant()
+
+
+def free_start(shape, which=0):
+    """Free numbers of a distribution's start."""
+    return np.asarray(shape.free_numbers(as_float(shape.starts("Y")[which])))
 
 
 def sky_of(shape, basis, kind="XYZ", wavelengths=None, parameter=3.0):
     scales = np.zeros((3, basis.num_terms))
     scales[:, 0] = 1.0
+    swept = {axis.quantity for axis in basis.axes} - {"sun_zenith"}
     return FormulaSky(
-        parameter=as_float(parameter),
+        swept={name: as_float(parameter) for name in swept},
         numbers=as_float(numbers_of(shape, basis)),
-        scales=as_float(scales),
-        dimming=as_float([4.0, 4.0, 4.0]),
         basis=basis,
-        scale_basis=basis,
-        shape=shape,
+        distribution=shape,
+        scale=LogScale(
+            numbers=as_float(scales),
+            basis=basis,
+            dimming=as_float([4.0, 4.0, 4.0]),
+            lowest_sun=1.4,
+            night=(False, False, True) if kind == "Yxy" else (True, True, True),
+        ),
         wavelengths=None if wavelengths is None else as_float(wavelengths),
+        linked=True,
         kind=kind,
-        parameter_name="turbidity",
-        parameter_range=(2.0, 6.0),
-        sun_zenith_range=(0.1, 1.4),
+        ranges=tuple((name, TURBIDITIES) for name in swept),
+        sun_zenith_range=SUNS,
     )
 
 
@@ -89,11 +115,11 @@ def by_hand(name, c, theta, gamma):
     return gradation * (1 + cc * glow + e * math.cos(gamma) ** 2)
 
 
-@pytest.mark.parametrize("name", sorted(SHAPES))
+@pytest.mark.parametrize("name", sorted(DISTRIBUTIONS))
 def test_a_shape_is_the_printed_formula(name):
-    shape = shape_from({"name": name})
+    shape = distribution_from({"name": name})
     rng = np.random.default_rng(3)
-    free = as_float(np.array(shape.starts()[0]) + 0.1 * rng.standard_normal(len(shape.names)))
+    free = as_float(free_start(shape) + 0.1 * rng.standard_normal(len(shape.names)))
     coefficients = shape.coefficients(free)
     for theta, gamma in ((0.0, 0.0), (0.4, 1.0), (1.3, 0.2), (1.5, 3.0)):
         angles = [as_float(v) for v in (math.cos(theta), gamma, math.cos(gamma))]
@@ -106,8 +132,8 @@ def test_the_standard_clear_sky_of_the_cie_has_its_tabulated_zenith_factor():
     # at 30° towards it, γ = 30°: gradation 1 - e^{-0.32/cos 30°} = 0.308923 over 1 - e^{-0.32} =
     # 0.273851; indicatrix 1 + 10 (e^{-π/2} - e^{-3π/2}) + 0.45 cos² 30° = 3.326467 over that of
     # γ = 60°, 1 + 10 (e^{-π} - e^{-3π/2}) + 0.45 / 4 = 1.454806.
-    shape = shape_from({"name": "cie"})
-    coefficients = shape.coefficients(as_float(shape.starts()[0]))
+    shape = distribution_from({"name": "cie"})
+    coefficients = as_float(shape.starts("Y")[0])
     view, zenith = (
         float(shape.value(coefficients, *map(as_float, (c, g, math.cos(g)))))
         for c, g in ((math.cos(math.pi / 6), math.pi / 6), (1.0, math.pi / 3))
@@ -127,10 +153,10 @@ def test_polynomial_terms_are_chebyshev(name):
     u, v = 2 * (3.5 - 2) / 4 - 1, 2 * (function(0.9) - low) / (high - low) - 1
     expected = [
         math.cos(i * math.acos(u)) * math.cos(j * math.acos(v))
-        for i in range(basis.parameter_degree + 1)
-        for j in range(basis.sun_degree + 1)
+        for i in range(basis.axes[0].degree + 1)
+        for j in range(basis.axes[1].degree + 1)
     ]
-    terms = basis.terms(as_float(3.5), as_float(0.9))
+    terms = terms_at(basis, 3.5, 0.9)
     np.testing.assert_allclose(terms, expected, atol=1e-14)
 
 
@@ -138,36 +164,39 @@ def test_nodes_interpolate_linearly():
     basis = BASES["nodes"]
     table = np.arange(12.0).reshape(3, 4) ** 2
     for parameter, sun in ((2.0, 0.1), (2.5, 0.8), (6.0, 1.4), (5.0, 1.0), (9.0, 0.0)):
-        row = [np.interp(sun, basis.sun_zenith, line) for line in table]
-        expected = np.interp(parameter, basis.parameter, row)
-        got = table.ravel() @ np.asarray(basis.terms(as_float(parameter), as_float(sun)))
+        row = [np.interp(sun, NODES[1], line) for line in table]
+        expected = np.interp(parameter, NODES[0], row)
+        got = table.ravel() @ np.asarray(terms_at(basis, parameter, sun))
         assert got == pytest.approx(expected, abs=1e-12)
-    straight = np.add.outer(np.asarray(basis.parameter), np.asarray(basis.sun_zenith)).ravel()
-    assert straight @ basis.roughness() @ straight == pytest.approx(0, abs=1e-11)
-    assert table.ravel() @ basis.roughness() @ table.ravel() > 1
+    straight = np.add.outer(*map(np.asarray, NODES)).ravel()
+    np.testing.assert_allclose(basis.bends() @ straight, 0, atol=1e-11)
+    assert np.square(basis.bends() @ table.ravel()).sum() > 1
 
 
 @pytest.mark.parametrize("name", sorted(BASES))
 def test_bases_and_shapes_come_back_from_their_description(name):
     basis = basis_from(json.loads(json.dumps(BASES[name].describe())))
-    at = as_float(4.3), as_float(0.7)
-    np.testing.assert_array_equal(basis.terms(*at), BASES[name].terms(*at))
-    shape = shape_from(json.loads(json.dumps(SeriesShape((0.3,), (0, 2)).describe())))
+    at = 4.3, 0.7
+    np.testing.assert_array_equal(terms_at(basis, *at), terms_at(BASES[name], *at))
+    np.testing.assert_allclose(basis.constant() @ terms_at(basis, *at), 1, rtol=1e-12)
+    shape = distribution_from(json.loads(json.dumps(Series((0.3,), (0, 2)).describe())))
     assert shape.names == ("w00", "w01", "w02", "w03", "w04", "w10", "w11", "w12", "w13", "w14")
     with pytest.raises(ValueError, match="expected a distribution of"):
-        shape_from({"name": "lambert"})
-    with pytest.raises(ValueError, match="expected a dependence of kind"):
-        basis_from({"kind": "spline", "parameter": [], "sun_zenith": []})
+        distribution_from({"name": "lambert"})
+    with pytest.raises(ValueError, match="expected an axis of kind"):
+        basis_from([{"kind": "spline", "quantity": "turbidity"}])
+    with pytest.raises(ValueError, match="expected a scale of kind"):
+        scale_from({"kind": "spline", "numbers": []})
 
 
 @pytest.mark.parametrize(("name", "basis"), PAIRS)
 def test_a_channel_is_its_scale_times_its_shape(name, basis):
-    shape, terms = shape_from({"name": name}), BASES[basis].terms(as_float(3.0), as_float(0.9))
+    shape, terms = distribution_from({"name": name}), terms_at(BASES[basis], 3.0, 0.9)
     sky = sky_of(shape, BASES[basis])
     theta, azimuth = 1.1, 0.7
     gamma = float(view_sun_angle(*map(as_float, (theta, 0.9, azimuth))))
     got = sky.channels(0.9, theta, azimuth)
-    factor = math.exp(float((sky.scales @ terms)[0]))
+    factor = math.exp(float((sky.scale.numbers @ terms)[0]))
     for k in range(3):
         c = np.asarray(shape.coefficients(sky.numbers[k] @ terms)).tolist()
         expected = factor * by_hand(name, c, theta, gamma)
@@ -177,7 +206,7 @@ def test_a_channel_is_its_scale_times_its_shape(name, basis):
 
 
 def test_every_kind_of_channels_is_the_same_sky_in_every_unit():
-    shape, basis, at = SeriesShape(), BASES["polynomial"], (0.9, 1.1, 0.7)
+    shape, basis, at = Series(), BASES["polynomial"], (0.9, 1.1, 0.7)
     bands = (450.0, 550.0, 650.0)
     for kind, to_xyz in (
         ("XYZ", lambda v: v),
@@ -205,7 +234,7 @@ def test_every_kind_of_channels_is_the_same_sky_in_every_unit():
 def test_derivatives_are_finite_everywhere(name, basis):
     def total(parameter, sun, view, azimuth):
         return (
-            sky_of(shape_from({"name": name}), BASES[basis], parameter=parameter)
+            sky_of(distribution_from({"name": name}), BASES[basis], parameter=parameter)
             .rgb(sun, view, azimuth)
             .sum()
         )
@@ -226,7 +255,7 @@ def test_derivatives_are_finite_everywhere(name, basis):
 
 
 def test_night_falls_and_nothing_jumps():
-    sky = sky_of(SeriesShape(), BASES["nodes"], "Yxy")
+    sky = sky_of(Series(), BASES["nodes"], "Yxy")
     suns = as_float([1.4, 1.45, math.pi / 2, math.pi / 2 + math.radians(2.5)])
     values = np.asarray(sky.channels(suns, 0.0, 0.0))
     np.testing.assert_allclose(
@@ -242,13 +271,24 @@ def test_night_falls_and_nothing_jumps():
 
 def test_single_precision_is_kept_and_good(float32):
     views = np.linspace(0, 1.5, 20)
-    values = sky_of(shape_from({"name": "series"}), basis_of_floats()).rgb(0.9, views, 0.3)
+    values = sky_of(distribution_from({"name": "series"}), basis_of_floats()).rgb(0.9, views, 0.3)
     assert values.dtype == jnp.float32
     with jax.enable_x64(True):
-        sky = sky_of(shape_from({"name": "series"}), basis_of_floats())
+        sky = sky_of(distribution_from({"name": "series"}), basis_of_floats())
         reference = sky.rgb(0.9, views, 0.3)
     np.testing.assert_allclose(values, reference, rtol=2e-4)
 
 
 def basis_of_floats():
-    return Polynomial((2.0, 6.0), (0.1, 1.4), 2, 3)
+    return polynomial(2, 3)
+
+
+def test_coefficients_on_a_line_are_slope_and_intercept():
+    basis = Basis((Line("turbidity", TURBIDITIES), Line("albedo", (0.0, 0.5))))
+    at = {
+        name: as_float(v) for name, v in (("turbidity", 3.0), ("albedo", 0.2), ("sun_zenith", 0.5))
+    }
+    # T a, T, a, 1
+    np.testing.assert_allclose(basis.terms(at), [0.6, 3.0, 0.2, 1.0], rtol=1e-15)
+    held = basis.terms(at | {"turbidity": as_float(9.0)})
+    np.testing.assert_allclose(held, [1.2, 6.0, 0.2, 1.0], rtol=1e-15)

@@ -13,7 +13,7 @@ from test_models_formula import BASES, sky_of
 from skyfit.angles import unit_vector
 from skyfit.compare.models import MODELS, Conditions
 from skyfit.models import AbstractSkyModel, preetham_sky
-from skyfit.models.shapes import shape_from
+from skyfit.models.domes import distribution_from
 
 
 def formulas():
@@ -27,7 +27,7 @@ def formulas():
         if isinstance(sky, AbstractSkyModel):
             found[entry.name] = sky
     found["published, turbidity 10"] = preetham_sky(10.0)
-    found["ladder"] = sky_of(shape_from({"name": "cie"}), BASES["cosine"])
+    found["ladder"] = sky_of(distribution_from({"name": "cie"}), BASES["cosine"])
     return found
 
 

@@ -41,9 +41,7 @@ def test_coefficients_at_turbidity_two_are_those_of_the_paper():
         "y": [-0.2942, -0.1808, 0.1944, -1.7419, 0.0311],
         "Y": [-1.1056, -0.2833, 5.2797, -2.3359, 0.2363],
     }
-    np.testing.assert_allclose(
-        preetham_sky(2.0).perez_coefficients(), list(want.values()), atol=1e-12
-    )
+    np.testing.assert_allclose(preetham_sky(2.0).coefficients(0.5), list(want.values()), atol=1e-12)
 
 
 def test_tables_come_in_the_order_of_x_y_and_luminance():

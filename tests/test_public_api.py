@@ -22,7 +22,6 @@ PUBLIC = {
     "ConstantAmbient",
     "Constituent",
     "Dependence",
-    "FormulaFit",
     "PaperAtmosphere",
     "Refraction",
     "Sensitivity",

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.report.coefficients import has_published_form
 
 from .options import as_json
 from .output import console, print_json, progress
@@ -85,10 +86,9 @@ def fit(
         compared = skyfit.compare_weights(skies) if compare_weights else {}
     found.save(out)
     record: dict[str, Any] = {"out": str(out)}
-    if isinstance(found, skyfit.FormulaFit):
-        record["fit"] = {name: one.rms for name, one in found.diagnostics.items()}
-        record["numbers"] = found.num_coefficients
-    else:
+    record["fit"] = {name: one.rms for name, one in found.diagnostics.items()}
+    record["numbers"] = found.num_numbers
+    if has_published_form(found):
         record["coefficients"] = skyfit.coefficient_table(found)
     record["diagnostics"] = {name: dataclasses.asdict(d) for name, d in found.diagnostics.items()}
     record["settings"] = {"weights": weights, "residuals": residuals}
@@ -107,7 +107,7 @@ def _print(found: Any, record: dict[str, Any]) -> None:
     if "coefficients" in record:
         _print_coefficients(record["coefficients"])
     else:
-        console().print(f"{found.shape.formula}", soft_wrap=True)
+        console().print(f"{found.distribution.formula}", soft_wrap=True)
         console().print(f"{record['numbers']} numbers a channel")
     _print_diagnostics(record)
     if found.positivity is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._typing import as_scalar, check
-from ..fitting import FormulaFit, SkyFit
+from ..fitting import SkyFit
 from .models import MODELS, Conditions, Entry, HasColour
 
 
@@ -29,7 +29,7 @@ def compare_skies(
     sun_zenith: float,
     turbidity: float,
     *,
-    fits: Mapping[str, SkyFit | FormulaFit] | None = None,
+    fits: Mapping[str, SkyFit] | None = None,
     models: Sequence[Entry] = MODELS,
 ) -> list[dict[str, Any]]:
     """Describe the same sky as every model sees it.
@@ -61,15 +61,13 @@ def compare_skies(
     return [_row(entry, at) for entry in entries]
 
 
-def _entry(name: str, fit: SkyFit | FormulaFit) -> Entry:
-    if fit.parameter_name not in (None, "turbidity"):
+def _entry(name: str, fit: SkyFit) -> Entry:
+    if set(fit.swept) - {"turbidity"}:
         raise ValueError(
-            f"compare_skies(fits=...): {name} is a fit over {fit.parameter_name!r}, "
-            f"expected turbidity or nothing"
+            f"compare_skies(fits=...): {name} is a fit over {sorted(fit.swept)}, "
+            "expected turbidity or nothing"
         )
-    if fit.parameter_name is None:
-        return Entry(name, lambda at: fit.sky())
-    return Entry(name, lambda at: fit.sky(turbidity=at.turbidity))
+    return Entry(name, lambda at: fit.sky(**{n: at.turbidity for n in fit.swept}))
 
 
 def _row(entry: Entry, at: Conditions) -> dict[str, Any]:

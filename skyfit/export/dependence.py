@@ -1,11 +1,12 @@
 """How coefficients depend on the swept parameter and the sun, as lines of source code."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Float
 
-from ..models.basis import LEAST_ELEVATION, AbstractBasis, Nodes, Polynomial
+from ..models.basis import LEAST_ELEVATION, AbstractAxis, Basis, Chebyshev, Line as LineAxis, Tents
 from .description import Line, exact, number
 
 
@@ -16,40 +17,51 @@ class Terms:
     """The terms of a basis: lines that make them, and sums of numbers times them.
 
     Attributes:
-        lines: Make the factors of the terms.
+        lines: lines that make the factors of the terms.
     """
 
-    def __init__(self, basis: AbstractBasis, swept: tuple[str, ...], prefix: str = ""):
-        parameter = swept[0] if swept else None
-        if isinstance(basis, Polynomial):
-            sets = [
-                _chebyshev(f"{prefix}u", parameter, basis.parameter_range, basis.parameter_degree),
-                _chebyshev(f"{prefix}v", "sun_zenith", basis.sun_range, basis.sun_degree,
-                           basis.sun_function),
-            ]  # fmt: skip
-        elif isinstance(basis, Nodes):
-            sets = [
-                _tents(f"{prefix}p", parameter, basis.parameter),
-                _tents(f"{prefix}s", "sun_zenith", basis.sun_zenith),
-            ]
-        else:
-            raise TypeError(f"expected a Polynomial or Nodes to export; got {type(basis).__name__}")
-        (first, self._along_parameter), (second, self._along_sun) = sets
-        self.lines = (*first, *second)
+    def __init__(self, basis: Basis, names: Mapping[str, str], prefix: str = ""):
+        """Make the factors; `names` are those of the quantities in the program."""
+        self.lines: tuple[Line, ...] = ()
+        self._factors: list[list[str]] = []
+        for k, axis in enumerate(basis.axes):
+            lines, factors = _factors(axis, names[axis.quantity], f"{prefix}{'uvwpqr'[k % 6]}")
+            self.lines += tuple(lines)
+            self._factors.append(factors)
 
     def sum(self, name: str, numbers: Float[np.ndarray, " term"]) -> tuple[tuple[Line, ...], str]:
         """Sum of numbers times terms: lines of its parts, and an expression of them."""
-        rows = np.asarray(numbers).reshape(len(self._along_parameter), len(self._along_sun))
-        if not np.any(rows[1:]) and not np.any(rows[:, 1:]) and self._along_sun[0] == ONE:
-            return (), number(rows[0, 0])
-        if len(rows) == 1:
-            return (), _weighted([number(n) for n in rows[0]], self._along_sun)
-        parts = [f"{name}_{i}" for i in range(len(rows))]
-        lines = [
-            Line(part, _weighted([number(n) for n in row], self._along_sun))
-            for part, row in zip(parts, rows, strict=True)
-        ]
-        return tuple(lines), _weighted(parts, self._along_parameter)
+        table = np.asarray(numbers).reshape([len(factors) for factors in self._factors])
+        lines: list[Line] = []
+        return tuple(lines), self._sum(name, table, self._factors, lines)
+
+    def _sum(self, name, table, factors, lines) -> str:
+        if not factors:
+            return number(float(table))
+        first, *rest = factors
+        if not rest:
+            weights = [number(entry) for entry in table]
+            if not np.any(table[1:]) and first[0] == ONE:
+                return weights[0]
+            return _weighted(weights, first)
+        parts = [f"{name}_{i}" for i in range(len(table))]
+        if not np.any(table[1:]) and first[0] == ONE:
+            return self._sum(name, table[0], rest, lines)
+        for part, row in zip(parts, table, strict=True):
+            text = self._sum(part, row, rest, lines)
+            lines.append(Line(part, text))
+        return _weighted(parts, first)
+
+
+def _factors(axis: AbstractAxis, variable: str, name: str) -> tuple[list[Line], list[str]]:
+    """Lines that make the functions of an axis, and expressions of them."""
+    if isinstance(axis, Chebyshev):
+        return _chebyshev(name, variable, axis.ends, axis.degree, axis.function)
+    if isinstance(axis, Tents):
+        return _tents(name, variable, axis.nodes)
+    if isinstance(axis, LineAxis):
+        return [], [variable, ONE]
+    raise TypeError(f"expected an axis that can be exported; got {type(axis).__name__}")
 
 
 def _weighted(weights: list[str], factors: list[str]) -> str:
@@ -57,15 +69,15 @@ def _weighted(weights: list[str], factors: list[str]) -> str:
     return " + ".join(w if f == ONE else f"{w} * {f}" for w, f in pairs)
 
 
-def _chebyshev(name, variable, ends, degree, function="zenith angle"):
+def _chebyshev(name, variable, ends, degree, function):
     """Chebyshev polynomials of a variable that is put on [-1, 1] and held there."""
     low, high = exact(ends).tolist()
     if degree == 0:
         return [], [ONE]
-    if variable is None or low == high:
+    if low == high:
         return [], [(ONE, "0", "-1", "0")[k % 4] for k in range(degree + 1)]  # of 0
     lines, held = [], variable
-    if function != "zenith angle":
+    if function != "identity":
         held = _of_sun(f"clamp({variable}, {number(low)}, {number(high)})", function)
         low, high = (float(_value_of_sun(end, function)) for end in (low, high))
     slope = 2 / (high - low)
@@ -95,7 +107,7 @@ def _value_of_sun(sun, function):
 def _tents(name, variable, nodes):
     """Weights of nodes for linear interpolation, held at the ends."""
     places = exact(nodes).tolist()
-    if variable is None or len(places) == 1:
+    if len(places) == 1:
         return [], [ONE]
     held = f"{name}_held"
     lines = [Line(held, f"clamp({variable}, {number(places[0])}, {number(places[-1])})")]

@@ -2,8 +2,9 @@
 
 import math
 
+from ..models.distribution import AbstractDistribution
+from ..models.domes import LEAST_ROOT, SOFT
 from ..models.perez import LEAST_COSINE
-from ..models.shapes import LEAST_ROOT, SOFT, AbstractShape
 from .description import Function, Line, number
 
 
@@ -11,7 +12,7 @@ LEAST = number(LEAST_COSINE)
 _ANGLES = ("cos_view", "gamma")
 _COSINE = Line("cos_gamma", "cos(gamma)")
 
-PEREZ = Function(
+_PEREZ = Function(
     "distribution",
     "F = (1 + A exp(B / cos theta)) (1 + C exp(D gamma) + E cos^2 gamma).\n"
     "At the horizon and below it the first factor has its limit, 1.",
@@ -60,11 +61,11 @@ _HOSEK_WILKIE = Function(
 )
 
 
-def distribution(shape: AbstractShape) -> tuple[Function, ...]:
+def distribution(formula: AbstractDistribution) -> tuple[Function, ...]:
     """The functions of a distribution; the last, `distribution`, takes its coefficients first."""
-    if shape.name == "series":
-        return (_CHI, _series(shape))
-    return {"perez": (PEREZ,), "cie": (_CIE,), "hosek-wilkie": (_CHI, _HOSEK_WILKIE)}[shape.name]
+    if formula.name == "series":
+        return (_CHI, _series(formula))
+    return {"perez": (_PEREZ,), "cie": (_CIE,), "hosek-wilkie": (_CHI, _HOSEK_WILKIE)}[formula.name]
 
 
 def linked(free: str, link: str) -> str:
@@ -74,14 +75,14 @@ def linked(free: str, link: str) -> str:
     return f"1 / (1 + exp(-({free})))" if link == "logistic" else free
 
 
-def _series(shape: AbstractShape) -> Function:
-    fixed = shape.fixed()
+def _series(formula: AbstractDistribution) -> Function:
+    fixed = formula.fixed()
     glows = [_power(p) for p in fixed["powers"]]
     glows += [f"exp({number(-k)} * gamma)" for k in fixed["decays"]]
     glows += [f"chi({number(g)}, cos_gamma)" for g in fixed["asymmetries"]]
     lines = [_COSINE, _AIRMASS]
     lines += [Line(f"h{j}", glow) for j, glow in enumerate(glows)]
-    names = iter(shape.names)
+    names = iter(formula.names)
     parts = []
     for i, thickness in enumerate((None, *fixed["thicknesses"])):
         total = " + ".join(f"{next(names)} * h{j}" for j in range(len(glows)))
@@ -91,7 +92,7 @@ def _series(shape: AbstractShape) -> Function:
     return Function(
         "distribution",
         "F = sum of w_ij g_i(theta) h_j(gamma), g_i the light left over slant paths.",
-        (*shape.names, *_ANGLES),
+        (*formula.names, *_ANGLES),
         tuple(lines),
         " + ".join(parts),
     )

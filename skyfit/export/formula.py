@@ -1,23 +1,35 @@
-"""Description of `FormulaSky`, any formula of the ladder, as source code."""
+"""Description of `FormulaSky` as source code: distribution, coefficients, scale, channels."""
 
-import math
 import re
 
 import numpy as np
 
 from ..colour import D65_WHITE, srgb_matrix, xyz_weights
-from ..models.formula import CHANNEL_KINDS, FormulaSky, dims_at_night
-from ..models.twilight import TWILIGHT_DECAY
+from ..models.basis import SUN
+from ..models.formula import CHANNEL_KINDS, FormulaSky
+from ..models.scale import LogScale, PaperZenith
 from .dependence import Terms
 from .description import Description, Function, Line, exact, needed, number
 from .distributions import distribution, linked
+from .scales import scale_functions, scale_of_channel
 
 
-_POLICY = (
-    "A view below the horizon sees the brightness of the horizon. A sun lower than the valid\n"
-    "range dims the sky at a constant rate, and below the horizon by a decade for every 2.5\n"
-    "degrees; the parameter is held at the nearest end of its range. Nothing jumps."
+# Some compilers of shaders refuse anything but ASCII, in comments too.
+_ASCII = str.maketrans(
+    {"θ": "theta", "γ": "gamma", "χ": "chi", "Σ": "sum of", "π": "pi", "²": "^2", "√": "sqrt"}
 )
+_POLICY = {
+    PaperZenith: (
+        "A view below the horizon sees the brightness of the horizon. With the sun below the\n"
+        "horizon the zenith keeps its colour of sunset and dims by a decade for every 2.5\n"
+        "degrees. Luminance is never negative, and nothing jumps."
+    ),
+    LogScale: (
+        "A view below the horizon sees the brightness of the horizon. A sun lower than the valid\n"
+        "range dims the sky at a constant rate, and below the horizon by a decade for every 2.5\n"
+        "degrees; parameters are held at the nearest end of their range. Nothing jumps."
+    ),
+}
 _XYZ_TO_XYY = Function(
     "xyz_to_xyY",
     "Chromaticity x, y and luminance Y of CIE XYZ; black is given the colour of D65.",
@@ -34,18 +46,28 @@ _XYZ_TO_XYY = Function(
 
 
 def describe_formula(sky: FormulaSky) -> Description:
-    """Describe a formula of any shape, dependence and channels for any value of its parameter."""
-    swept = (re.sub(r"\W", "_", sky.parameter_name),) if sky.parameter_name else ()
-    names = _channels(sky)
-    channels = [_channel(sky, k, name, swept) for k, name in enumerate(names)]
-    end = () if sky.kind == "Yxy" else (_XYZ_TO_XYY,)
-    functions = (*distribution(sky.shape), *channels, *end, _xyY_of_angles(sky, names, swept))
-    relative = " / F(0, theta_sun)" if sky.shape.relative else ""
-    formula = (
-        f"Each of {', '.join(names)} = scale * F(theta, gamma){relative}, the scale and the\n"
-        "coefficients of F depending on the sun's zenith angle and on what was swept."
+    """Describe a formula for any values of its parameters."""
+    # A name such as "haze.optical_depth" is none in a program.
+    swept = tuple(re.sub(r"\W", "_", name) for name, _ in sky.ranges)
+    names = dict(zip((name for name, _ in sky.ranges), swept, strict=True)) | {SUN: SUN}
+    channels = _channels(sky)
+    scales = scale_functions(sky.scale, swept)
+    functions = (
+        *distribution(sky.distribution),
+        *scales,
+        *(_channel(sky, k, name, names, swept) for k, name in enumerate(channels)),
+        *(() if sky.kind == "Yxy" else (_XYZ_TO_XYY,)),
+        _xyY_of_angles(sky, channels, swept),
     )
-    return Description(functions, swept, _numbers(sky, names), formula, _POLICY)
+    relative = " / F(0, theta_sun)" if sky.distribution.relative else ""
+    what = "zenith value" if scales else "scale"
+    formula = (
+        f"Each of {', '.join(channels)} = {what} * F(theta, gamma){relative},\n"
+        "the coefficients of F depending on what was swept and on the sun;\n"
+        f"{sky.distribution.formula.translate(_ASCII)}"
+    )
+    policy = _POLICY[type(sky.scale)]
+    return Description(functions, swept, _numbers(sky, channels), formula, policy)
 
 
 def _channels(sky: FormulaSky) -> tuple[str, ...]:
@@ -55,21 +77,21 @@ def _channels(sky: FormulaSky) -> tuple[str, ...]:
     return tuple(f"radiance_{band}nm" for band in bands)
 
 
-def _channel(sky: FormulaSky, k: int, name: str, swept: tuple[str, ...]) -> Function:
+def _channel(sky: FormulaSky, k: int, name: str, names, swept: tuple[str, ...]) -> Function:
     """One channel: its scale, its coefficients and their distribution."""
-    terms = Terms(sky.basis, swept)
+    terms = Terms(sky.basis, names)
     lines = list(terms.lines)
+    links = sky.distribution.links if sky.linked else ("identity",) * len(sky.distribution.names)
     for letter, link, numbers in zip(
-        sky.shape.names, sky.shape.links, exact(sky.numbers[k]), strict=True
+        sky.distribution.names, links, exact(sky.numbers[k]), strict=True
     ):
         parts, free = terms.sum(letter, numbers)
         lines += [*parts, Line(letter, linked(free, link))]
-    scale_terms = Terms(sky.scale_basis, swept, "scale_")
-    parts, logarithm = scale_terms.sum("scale", exact(sky.scales[k]))
-    lines += [*scale_terms.lines, *parts, Line("logarithm", logarithm), *_dimming(sky, k)]
-    coefficients = ", ".join(sky.shape.names)
-    value = f"exp(logarithm - fall) * distribution({coefficients}, cos_view, gamma)"
-    if sky.shape.relative:
+    more, scale = scale_of_channel(sky.scale, k, name, names, swept)
+    lines += more
+    coefficients = ", ".join(sky.distribution.names)
+    value = f"{scale} * distribution({coefficients}, cos_view, gamma)"
+    if sky.distribution.relative:
         value += f" / distribution({coefficients}, 1, sun_zenith)"
     spectral = sky.wavelengths is not None
     return Function(
@@ -82,26 +104,14 @@ def _channel(sky: FormulaSky, k: int, name: str, swept: tuple[str, ...]) -> Func
     )
 
 
-def _dimming(sky: FormulaSky, k: int) -> tuple[Line, ...]:
-    """How much a low or set sun takes off the logarithm of the scale."""
-    half_pi, lowest = number(math.pi / 2), number(sky.sun_zenith_range[1])
-    rate = float(exact(sky.dimming[k]))
-    low = f"{number(rate)} * max(min(sun_zenith, {half_pi}) - {lowest}, 0)" if rate else "0"
-    dims = dims_at_night(sky.kind)
-    if not dims[k % len(dims)]:
-        return (Line("fall", low),)
-    night = f"{number(TWILIGHT_DECAY)} * max(sun_zenith - {half_pi}, 0)"
-    return (Line("fall", f"{low} + {night}" if rate else night),)
-
-
 def _xyY_of_angles(sky: FormulaSky, names: tuple[str, ...], swept: tuple[str, ...]) -> Function:
     """The channels together, as chromaticity and luminance."""
     lines = []
-    held = swept
-    if swept:
-        low, high = map(number, sky.parameter_range)
-        held = ("held",)
-        lines.append(Line("held", f"clamp({swept[0]}, {low}, {high})"))
+    held = tuple(f"held_{name}" for name in swept)
+    for (_, ends), variable, kept in zip(sky.ranges, swept, held, strict=True):
+        low, high = map(number, ends)
+        comment = f"Outside the valid range, {variable} is held at the nearest end."
+        lines.append(Line(kept, f"clamp({variable}, {low}, {high})", comment))
     prefix = "" if sky.wavelengths is not None else "channel_"
     passed = ", ".join(("cos_view", "gamma", "sun_zenith", *held))
     lines += [Line(f"value{k}", f"{prefix}{name}({passed})") for k, name in enumerate(names)]
@@ -136,15 +146,26 @@ def _to_xyz(sky: FormulaSky):
 
 
 def _numbers(sky: FormulaSky, names: tuple[str, ...]) -> dict:
+    if isinstance(sky.scale, PaperZenith) and not sky.linked:
+        tables = exact(sky.numbers)
+        if not sky.basis.axes:
+            tables = np.concatenate([np.zeros_like(tables), tables], axis=2)
+        letters = sky.distribution.names
+        return {
+            "coefficients": {
+                channel: dict(zip(letters, table.tolist(), strict=True))
+                for channel, table in zip(names, tables, strict=True)
+            },
+            "zenith": {
+                channel: {part: exact(value).tolist() for part, value in parts.items()}
+                for channel, parts in sky.scale.numbers().items()
+            },
+        }
     return {
         "kind": sky.kind,
-        "shape": sky.shape.describe(),
-        "dependence": sky.basis.describe(),
+        "distribution": sky.distribution.describe(),
+        "linked": sky.linked,
+        "basis": sky.basis.describe(),
         "numbers": dict(zip(names, exact(sky.numbers).tolist(), strict=True)),
-        "scale": {
-            "formula": "exp(sum of numbers times terms)",
-            "dependence": sky.scale_basis.describe(),
-            "numbers": dict(zip(names, exact(sky.scales).tolist(), strict=True)),
-            "dimming": dict(zip(names, exact(sky.dimming).tolist(), strict=True)),
-        },
+        "scale": sky.scale.describe(),
     }

@@ -2,14 +2,15 @@
 
 import json
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ..fitting import FormulaFit, SkyFit
+from ..fitting import SkyFit
 from ..fitting.document import versions
 from ..models.formula import FormulaSky
-from ..models.perez import PerezSky
+from ..models.perez import Perez
 from ..models.preetham import published_coefficients
 from .description import Description
 
@@ -32,43 +33,45 @@ def heading(description: Description, prefix: str, provenance: list[str]) -> lis
     ]
 
 
-def provenance_of_fit(fit: SkyFit | FormulaFit) -> list[str]:
+def provenance_of_fit(fit: SkyFit) -> list[str]:
     """What a fit was made from, how well it follows that, and where it holds."""
     data, made_by = fit.provenance.get("data", {}), fit.provenance.get("versions", {})
     errors = ", ".join(f"{name} {100 * d.rms:.2g} %" for name, d in fit.diagnostics.items())
-    scales = fit.zenith_rms if isinstance(fit, SkyFit) else fit.scale_rms
-    zenith = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in scales.items())
-    positive = [] if isinstance(fit, SkyFit) or not fit.positivity else [fit.positivity]
+    scale = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.notes.scale_rms.items())
+    what = "zenith" if fit.distribution.relative else "scale"
+    positive = [fit.positivity] if fit.positivity else []
     return [
         f"Fitted by skyfit {made_by.get('skyfit', 'of unknown version')}.",
         *(f"Skies: {line}" for line in _skies(data)),
         f"RMS error of the fit, relative: {errors}.",
-        f"RMS error of the {'zenith' if isinstance(fit, SkyFit) else 'scale'}, relative: {zenith}.",
+        f"RMS error of the {what}, relative: {scale}.",
         *(_ascii(f"Over the valid range: {margin.sentence()}.") for margin in positive),
-        *valid_range(fit.parameter_name, fit.parameter_range, fit.sun_zenith_range),
+        *valid_range(fit.swept, fit.sun_zenith_range),
     ]
 
 
-def provenance_of_model(sky: PerezSky | FormulaSky) -> list[str]:
+def provenance_of_model(sky: FormulaSky) -> list[str]:
     """The same for a model that was not fitted here."""
-    published = isinstance(sky, PerezSky) and np.allclose(
-        sky.coefficients, published_coefficients(), rtol=1e-6
+    coefficients = published_coefficients()
+    published = (
+        sky.distribution.name == Perez.name
+        and not sky.linked
+        and sky.numbers.shape == coefficients.shape
+        and np.allclose(sky.numbers, coefficients, rtol=1e-6)
     )
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
     return [
         f"Written by skyfit {versions()['skyfit']}.",
         f"Source: {paper}, appendix A.2." if published else "Source: a sky model of the caller's.",
-        *valid_range(sky.parameter_name, sky.parameter_range, sky.sun_zenith_range),
+        *valid_range(dict(sky.ranges), sky.sun_zenith_range),
     ]
 
 
-def valid_range(
-    name: str | None, between: tuple[float, float] | None, suns: tuple[float, float]
-) -> list[str]:
-    """In words, where the formula holds."""
+def valid_range(swept: Mapping[str, tuple[float, float]], suns: tuple[float, float]) -> list[str]:
+    """Where the formula holds, in words."""
     low, high = (math.degrees(sun) for sun in suns)
-    swept = f"{name} {between[0]:.6g} to {between[1]:.6g}, " if name and between else ""
-    return [f"Valid range: {swept}sun {low:.4g} to {high:.4g} degrees from the zenith."]
+    ends = "".join(f"{name} {a:.6g} to {b:.6g}, " for name, (a, b) in swept.items())
+    return [f"Valid range: {ends}sun {low:.4g} to {high:.4g} degrees from the zenith."]
 
 
 def _skies(data: dict[str, Any]) -> list[str]:

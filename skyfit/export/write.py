@@ -3,17 +3,16 @@
 import json
 import math
 import re
+from typing import Any
 
-from ..fitting import FormulaFit, SkyFit
+from ..fitting import SkyFit
 from ..models.formula import FormulaSky
-from ..models.perez import PerezSky
 from .description import Description
 from .dialect import AbstractDialect
 from .formula import describe_formula
 from .frame import framed
 from .heading import heading, provenance_of_fit, provenance_of_model
 from .languages import C, Glsl, Hlsl, JavaScript, Python
-from .perez import describe_perez
 
 
 FORMATS: dict[str, type[AbstractDialect] | None] = {
@@ -27,9 +26,7 @@ FORMATS: dict[str, type[AbstractDialect] | None] = {
 SCHEMA = "skyfit/sky/1"
 
 
-def export_fit(
-    fit: SkyFit | FormulaFit | PerezSky | FormulaSky, format: str, *, name: str = "sky"
-) -> str:
+def export_fit(fit: SkyFit | FormulaSky, format: str, *, name: str = "sky") -> str:
     """Write a sky formula as source code, readable and ready to paste into a renderer.
 
     The code has functions of the view's and the sun's directions (unit vectors, z up) and of the
@@ -57,12 +54,8 @@ def export_fit(
             f"underscores; got {name!r}"
         )
     sky = _sky(fit)
-    fitted = isinstance(fit, SkyFit | FormulaFit)
-    provenance = provenance_of_fit(fit) if fitted else provenance_of_model(sky)
-    description = describe_perez(sky) if isinstance(sky, PerezSky) else describe_formula(sky)
-    provenance = (
-        provenance_of_fit(fit) if isinstance(fit, SkyFit | FormulaFit) else provenance_of_model(sky)
-    )
+    description = describe_formula(sky)
+    provenance = provenance_of_fit(fit) if isinstance(fit, SkyFit) else provenance_of_model(sky)
     dialect = FORMATS[format]
     if dialect is None:
         return _json(sky, description, provenance)
@@ -71,25 +64,29 @@ def export_fit(
     return dialect(name, functions).file(top, functions)
 
 
-def _sky(fit: SkyFit | FormulaFit | PerezSky | FormulaSky) -> PerezSky | FormulaSky:
-    if isinstance(fit, SkyFit | FormulaFit):
-        if fit.parameter_name and fit.parameter_range:
-            return fit.sky(**{fit.parameter_name: fit.parameter_range[0]})
-        return fit.sky()
-    return fit
+def _sky(fit: SkyFit | FormulaSky) -> FormulaSky:
+    if not isinstance(fit, SkyFit):
+        return fit
+    return fit.sky(**{name: ends[0] for name, ends in fit.swept.items()})
 
 
-def _json(sky: PerezSky | FormulaSky, description: Description, provenance: list[str]) -> str:
+def _json(sky: FormulaSky, description: Description, provenance: list[str]) -> str:
     low, high = map(math.degrees, sky.sun_zenith_range)
     document = {
         "schema": SCHEMA,
         "provenance": provenance,
         "formula": description.formula.split("\n"),
-        "parameter": {"name": sky.parameter_name, "range": list(sky.parameter_range)}
-        if sky.parameter_name
-        else None,
+        **_swept(sky),
         "sun_zenith_range_deg": [low, high],
         "units": {"angles": "rad", "luminance": "cd/m^2"},
         **description.numbers,
     }
     return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def _swept(sky: FormulaSky) -> dict[str, Any]:
+    """The swept parameter, or all of several."""
+    entries = [{"name": name, "range": list(ends)} for name, ends in sky.ranges]
+    if len(entries) > 1:
+        return {"parameters": entries}
+    return {"parameter": entries[0] if entries else None}

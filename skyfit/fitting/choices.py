@@ -1,95 +1,224 @@
-"""The choices of a ladder of formulas: which distribution, and how its coefficients depend."""
+"""The choices that make a fit: distribution, dependence, scale; weights, residuals, prior."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
-from ..models.basis import SUN_FUNCTIONS, AbstractBasis, Nodes, Polynomial
-from ..models.shapes import SHAPES, AbstractShape
-from .skies import Skies
+from ..models.basis import SUN, Basis, Chebyshev, Line, Tents
+from ..models.distribution import AbstractDistribution
+from ..models.domes import DISTRIBUTIONS
+from ..models.perez import Perez
+from .skies import RESIDUALS, WEIGHTS, Skies
+
+
+# Directions closer to the horizon are left out: over the last degrees a hazy horizon darkens by an
+# order of magnitude, which no formula in 1/cos θ follows, and a fit to it spoils the rest.
+MAX_VIEW_ZENITH = np.radians(85.0)
+# A fit may lose this share of itself per squared unit of a free coordinate to stay near its start.
+PRIOR = 2e-4
+
+# Functions of the sun by the names that users know, and as an axis of a basis calls them.
+SUN_FUNCTIONS = {
+    "zenith angle": "identity",
+    "cosine": "cosine",
+    "cube root of elevation": "cube root of elevation",
+}
+KINDS = ("linear", "polynomial", "nodes")
+_ON_THE_WAY = ((0, 0), (1, 1), (2, 3))  # degrees fitted before those asked for
+
+Starts = Mapping[str, Sequence[float]]
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """How coefficients depend on the swept parameter and on the sun.
+    """How coefficients depend on the swept parameters and on the sun.
 
     Attributes:
-        kind: "polynomial", or "nodes" for linear interpolation between the values of the data.
-        parameter_degree: Of the polynomial; no more than the data have values, less one.
-        sun_degree: The same, in a function of the sun.
+        kind: "linear" for coefficients linear in every parameter, as Preetham et al. (1999) have
+            them; "polynomial", or "nodes" for linear interpolation between the values of the data,
+            of the free numbers whose links are the coefficients, over parameters and sun.
+        parameter_degree: degree of the polynomial in every parameter; no more than the data have
+            values, less one.
+        sun_degree: degree of the polynomial in a function of the sun, with the same limit.
         sun_function: "zenith angle", "cosine" or "cube root of elevation".
     """
 
-    kind: Literal["polynomial", "nodes"] = "polynomial"
+    kind: Literal["linear", "polynomial", "nodes"] = "polynomial"
     parameter_degree: int = 3
     sun_degree: int = 5
     sun_function: str = "zenith angle"
 
     def __post_init__(self):
         """Refuse what is no choice."""
-        if self.kind not in ("polynomial", "nodes"):
-            raise ValueError(
-                f"Dependence(kind=...): expected 'polynomial' or 'nodes'; got {self.kind!r}"
-            )
+        if self.kind not in KINDS:
+            raise ValueError(f"Dependence(kind=...): expected one of {KINDS}; got {self.kind!r}")
         if min(self.parameter_degree, self.sun_degree) < 0:
             raise ValueError("Dependence: expected degrees of 0 or more")
         if self.sun_function not in SUN_FUNCTIONS:
             raise ValueError(
-                f"Dependence(sun_function=...): expected one of {SUN_FUNCTIONS}; "
+                f"Dependence(sun_function=...): expected one of {tuple(SUN_FUNCTIONS)}; "
                 f"got {self.sun_function!r}"
             )
 
-    def basis(self, skies: Skies) -> AbstractBasis:
-        """The basis over the range of some skies."""
-        values, suns = np.unique(skies.parameter), np.unique(skies.sun_zenith.round(9))
+    @property
+    def linked(self) -> bool:
+        """Whether sums of numbers times terms are free numbers, and links make the coefficients."""
+        return self.kind != "linear"
+
+    def basis(self, skies: Skies) -> Basis:
+        """Basis of the formula over the ranges of some skies."""
+        if self.kind == "linear":
+            return Basis(tuple(Line(name, ends) for name, ends in _varied(skies)))
+        return self.fitted_basis(skies)
+
+    def fitted_basis(self, skies: Skies) -> Basis:
+        """Basis in which the formula is fitted.
+
+        Coefficients that are linear between ends where they are within bounds are so in between,
+        and numbers at the ends are far less correlated than slope and intercept.
+        """
+        if self.kind == "linear":
+            return Basis(tuple(Tents(name, ends) for name, ends in _varied(skies)))
         if self.kind == "nodes":
-            return Nodes(values, suns)
-        return Polynomial(
-            skies.parameter_range,
-            skies.sun_zenith_range,
-            min(self.parameter_degree, values.size - 1),
-            min(self.sun_degree, suns.size - 1),
-            self.sun_function,
-        )
+            values = {name: np.unique(v.round(9)) for name, v in skies.quantities.items()}
+            return Basis(tuple(Tents(n, v) for n, v in values.items() if v.size > 1))
+        return self._polynomial(skies, self.parameter_degree, self.sun_degree)
+
+    def from_fitted(self, skies: Skies) -> Float[np.ndarray, "term fitted_term"]:
+        """Numbers of `basis` from those of `fitted_basis`."""
+        if self.kind != "linear":
+            return np.eye(self.basis(skies).num_terms)
+        lines = [np.linalg.inv(np.stack([ends, np.ones(2)], axis=1)) for _, ends in _varied(skies)]
+        return reduce(np.kron, lines, np.ones((1, 1)))
+
+    def path(self, skies: Skies) -> list[Basis]:
+        """Bases to fit one after another, from simple to rich; the last is `fitted_basis`."""
+        last = self.fitted_basis(skies)
+        if self.kind == "linear":
+            return [last]
+        if self.kind == "nodes":
+            return [*(self._polynomial(skies, *degrees) for degrees in _ON_THE_WAY), last]
+        top = self.parameter_degree, self.sun_degree
+        degrees = [(min(p, top[0]), min(q, top[1])) for p, q in (*_ON_THE_WAY, top)]
+        return [self._polynomial(skies, *pair) for pair in dict.fromkeys(degrees)]
 
     def describe(self) -> str:
-        """In a few words."""
-        if self.kind == "nodes":
-            return "nodes"
-        if self == NAMED["linear"]:
-            return "linear"
+        """The choice in a few words."""
+        if self.kind != "polynomial":
+            return self.kind
         suns = f" in {self.sun_function}" if self.sun_function != "zenith angle" else ""
         return f"polynomial {self.parameter_degree} × {self.sun_degree}{suns}"
 
+    def _polynomial(self, skies: Skies, parameter_degree: int, sun_degree: int) -> Basis:
+        axes = []
+        for name, values in skies.quantities.items():
+            at_sun = name == SUN
+            most = np.unique(values.round(9)).size - 1
+            degree = min(sun_degree if at_sun else parameter_degree, most)
+            function = SUN_FUNCTIONS[self.sun_function] if at_sun else "identity"
+            if degree:
+                axes.append(Chebyshev(name, (values.min(), values.max()), degree, function))
+        return Basis(tuple(axes))
 
-NAMED = {
-    "linear": Dependence("polynomial", 1, 0),
-    "polynomial": Dependence(),
-    "nodes": Dependence("nodes"),
-}
+
+def _varied(skies: Skies) -> list[tuple[str, tuple[float, float]]]:
+    """Swept parameters that have more than one value, and their ends."""
+    return [(name, ends) for name, ends in skies.ranges.items() if ends[0] < ends[1]]
+
+
+NAMED = {kind: Dependence(kind) for kind in KINDS}
 # Of the scale's logarithm, which everything else is multiplied by.
 SCALE = Dependence("polynomial", 3, 7)
 
 
-def chosen_shape(distribution: str | AbstractShape) -> AbstractShape:
-    """The distribution of a name, or the one given."""
-    if isinstance(distribution, AbstractShape):
-        return distribution
-    if distribution not in SHAPES:
-        raise ValueError(
-            f"fit_sky(distribution=...): expected one of {tuple(SHAPES)}; got {distribution!r}"
-        )
-    return SHAPES[distribution]()
+@dataclass(frozen=True)
+class Formula:
+    """What is fitted: a distribution, and how its coefficients depend on parameters and sun.
+
+    Attributes:
+        distribution: formula of the dome.
+        dependence: dependence of its coefficients.
+    """
+
+    distribution: AbstractDistribution
+    dependence: Dependence
+
+    def has_paper_zenith(self, skies: Skies) -> bool:
+        """Whether the scale is the zenith of Preetham et al.: that belongs to their own form."""
+        published = self.distribution.name == Perez.name and self.dependence.kind == "linear"
+        return published and skies.kind == "Yxy" and len(skies.swept) <= 1
 
 
-def chosen_dependence(dependence: str | Dependence) -> Dependence:
-    """The dependence of a name, or the one given."""
-    if isinstance(dependence, Dependence):
-        return dependence
-    if dependence not in NAMED:
+def chosen_formula(
+    distribution: str | AbstractDistribution,
+    dependence: str | Dependence,
+    caller: str = "fit_sky",
+) -> Formula:
+    """The formula of two names, or of the values given.
+
+    Raises:
+        ValueError: A name is unknown.
+    """
+    if isinstance(distribution, str):
+        if distribution not in DISTRIBUTIONS:
+            raise ValueError(
+                f"{caller}(distribution=...): expected one of {tuple(DISTRIBUTIONS)}; "
+                f"got {distribution!r}"
+            )
+        distribution = DISTRIBUTIONS[distribution]()
+    if isinstance(dependence, str):
+        if dependence not in NAMED:
+            raise ValueError(
+                f"{caller}(dependence=...): expected one of {tuple(NAMED)} or a Dependence; "
+                f"got {dependence!r}"
+            )
+        dependence = NAMED[dependence]
+    if not isinstance(distribution, AbstractDistribution):
         raise ValueError(
-            f"fit_sky(dependence=...): expected one of {tuple(NAMED)} or a Dependence; "
-            f"got {dependence!r}"
+            f"{caller}(distribution=...): expected a name or a distribution; got {distribution!r}"
         )
-    return NAMED[dependence]
+    if not isinstance(dependence, Dependence):
+        raise ValueError(
+            f"{caller}(dependence=...): expected a name or a Dependence; got {dependence!r}"
+        )
+    return Formula(distribution, dependence)
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """Choices that a fit depends on besides the formula.
+
+    Attributes:
+        weights: "equal" for every direction, or by "solid angle".
+        residuals: "relative" (model / data - 1), or "absolute" (over the RMS of the data).
+        max_view_zenith: view zenith angle beyond which directions keep the `horizon_weight` of the
+            distribution, none for Perez's and the CIE's [rad].
+        prior: share of the loss per squared unit that a free coordinate is away from the first of
+            the distribution's own starts.
+        starts: coefficients to start from, by channel; channels not named start from the
+            distribution's own.
+    """
+
+    weights: str = "equal"
+    residuals: str = "relative"
+    max_view_zenith: float = float(MAX_VIEW_ZENITH)
+    prior: float = PRIOR
+    starts: Starts | None = None
+
+    def __post_init__(self):
+        """Refuse what is no choice."""
+        for name, allowed in (("weights", WEIGHTS), ("residuals", RESIDUALS)):
+            got = getattr(self, name)
+            if got not in allowed:
+                raise ValueError(f"fit_sky({name}=...): expected one of {allowed}; got {got!r}")
+        if not 0 < self.max_view_zenith <= np.pi / 2:
+            raise ValueError(
+                "fit_sky(max_view_zenith=...) must lie in 0 to π/2 rad; "
+                f"got {self.max_view_zenith:.6g}"
+            )
+        if not self.prior >= 0:
+            raise ValueError(f"fit_sky(prior=...) must be 0 or more; got {self.prior:.6g}")

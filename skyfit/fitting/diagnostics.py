@@ -1,7 +1,7 @@
 """How well a fit is determined: covariance, condition number, combinations that are not."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -9,15 +9,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._typing import as_float
-from .dependence import AbstractDependence
-from .distribution import AbstractDistribution
-from .shape import ShapeProblem, shape_residuals
+from ..models.distribution import AbstractDistribution
+from .problem import FitProblem, by_free, linearise
 
 
 # A free coordinate known no better than this has not been identified: it is a factor of e^±0.5 in
 # a rate, or half the zenith's value in a slope.
 LOOSE = 0.5
+_MOST_NAMED = 8
+# Eigenvalues of a scaled normal matrix below this share of the largest are rounding errors.
+_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,13 @@ class Diagnostics:
     """What a sceptic asks of one channel's fit.
 
     Attributes:
-        rms: Root mean square of the weighted relative residuals.
-        worst: Largest absolute residual that has a weight.
-        condition: Of the Jacobian with respect to the coefficients at the nodes, its columns
-            scaled to unit length.
-        unidentified: Combinations of coefficients that the skies leave open, in words.
-        converged: Whether the solver met its tolerance.
-        steps: Levenberg-Marquardt steps.
+        rms: root mean square of the weighted residuals within `max_view_zenith`.
+        worst: largest absolute residual of these.
+        condition: condition number of the Jacobian with respect to the numbers that were fitted,
+            its columns scaled to unit length.
+        unidentified: combinations of coefficients that the skies leave open, in words.
+        converged: whether the solver met its tolerance.
+        steps: number of Levenberg-Marquardt steps.
     """
 
     rms: float
@@ -42,95 +43,113 @@ class Diagnostics:
     steps: int
 
 
-def covariance(
-    jacobian: Float[np.ndarray, "residual parameter"], residual: Float[np.ndarray, " residual"]
-) -> Float[np.ndarray, "parameter parameter"]:
-    """Covariance of least-squares parameters, as if residuals were independent.
+class Examined(NamedTuple):
+    """A fit at its solution: residuals, scales, and normal matrices without the prior's share.
 
-    A direction that the residuals do not see at all is left out (0). Misfit of a formula is not
-    independent from direction to direction, so true uncertainties are larger.
+    Attributes:
+        residual: weighted relative residuals [sky, direction].
+        scale: scale of each sky [sky].
+        by_number: normal matrix by the numbers of the formula [number, number].
+        by_free: normal matrix by the free coordinates [number, number].
     """
-    length = np.linalg.norm(jacobian, axis=0)
-    length = np.where(length > 0, length, 1.0)
-    _, singular, rows = np.linalg.svd(jacobian / length, full_matrices=False)
-    seen = singular > 1e-14 * singular[0]
-    inverse = rows[seen].T / singular[seen] / length[:, None]
-    used = np.count_nonzero(residual) or 1
-    variance = residual @ residual / max(used - jacobian.shape[1], 1)
-    return variance * inverse @ inverse.T
 
-
-class Jacobians(NamedTuple):
-    """Of the residuals: with respect to the coefficients at the nodes, to the free coordinates."""
-
-    nodes: Float[Array, "lane residual parameter"]
-    free: Float[Array, "lane residual parameter"]
-    residual: Float[Array, "lane residual"]
+    residual: Any
+    scale: Any
+    by_number: Any
+    by_free: Any
 
 
 @eqx.filter_jit
-def jacobians(free: Float[Array, "lane parameter"], problem: ShapeProblem) -> Jacobians:
-    """Both Jacobians of a batch of fits at their solutions."""
-
-    def one(free, problem):
-        coordinates = problem.per_node(free)
-        nodes = problem.distribution.constrain(coordinates)
-
-        def residual(nodes):
-            value = shape_residuals(nodes, problem)[0].ravel()
-            return value, value
-
-        by_node, residual_there = jax.jacfwd(residual, has_aux=True)(nodes)
-        stretch = jax.vmap(jax.jacfwd(problem.distribution.constrain))(coordinates)
-        by_free = jnp.einsum("rnc,ncf->rnf", by_node, stretch)
-        flat = (residual_there.size, free.size)
-        return Jacobians(by_node.reshape(flat), by_free.reshape(flat), residual_there)
-
-    return jax.vmap(one)(free, problem)
+def examine(free: Float[Array, " free"], problem: FitProblem) -> Examined:
+    """Residuals and normal matrices of one fit at its solution."""
+    made = linearise(problem.numbers(free), problem)
+    matrix = made.gram
+    if not problem.linked:
+        matrix, _ = by_free(problem.distribution, problem.rows(free), made.gram, made.slope)
+    square = (free.size, free.size)
+    return Examined(made.residual, made.scale, made.gram.reshape(square), matrix.reshape(square))
 
 
-def condition_number(jacobian: Float[np.ndarray, "residual parameter"]) -> float:
-    """Condition number with columns scaled to unit length."""
-    length = np.linalg.norm(jacobian, axis=0)
-    return float(np.linalg.cond(jacobian / np.where(length > 0, length, 1.0)))
+def lane(problem: FitProblem, k: int, num_terms: int) -> FitProblem:
+    """One fit of a batch, without the terms it was filled up with."""
+    one = jax.tree.map(lambda array: jnp.asarray(array)[k], problem)
+    parts = one.terms[:, :num_terms], one.pull[:, :num_terms], one.centre[:num_terms]
+    return eqx.tree_at(lambda p: (p.terms, p.pull, p.centre), one, parts)
+
+
+class Spectrum(NamedTuple):
+    """A normal matrix scaled to a unit diagonal: eigenvalues, and eigenvectors unscaled.
+
+    A number that the residuals do not see at all has eigenvectors of 0.
+    """
+
+    values: Float[np.ndarray, " number"]
+    vectors: Float[np.ndarray, "number number"]
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the Jacobian, its columns scaled to unit length."""
+        return float(np.sqrt(self.values[-1] / self.values[0]))
+
+    def covariance(self) -> Float[np.ndarray, "number number"]:
+        """Covariance of the numbers, for residuals of variance 1 that are independent."""
+        return (self.vectors / self.values) @ self.vectors.T
+
+
+def spectrum(matrix: Float[np.ndarray, "number number"]) -> Spectrum:
+    """Decompose a normal matrix."""
+    diagonal = np.diag(matrix)
+    seen = diagonal > 0
+    size = np.sqrt(np.where(seen, diagonal, 1.0))
+    values, vectors = np.linalg.eigh(matrix / size / size[:, None] + np.diag(~seen).astype(float))
+    vectors = vectors / size[:, None] * seen[:, None]
+    return Spectrum(np.maximum(values, _ROUNDING * values[-1]), vectors)
+
+
+def variance(residual: Float[np.ndarray, "..."], num_numbers: int) -> float:
+    """Variance of residuals that have a weight.
+
+    Misfit of a formula is not independent from direction to direction, so true uncertainties are
+    larger than those that follow from it.
+    """
+    return float((residual**2).sum() / max(residual.size - num_numbers, 1))
 
 
 def loose_combinations(
-    spread: Float[np.ndarray, "free free"],
+    found: Spectrum,
+    noise: float,
     distribution: AbstractDistribution,
-    node_names: tuple[str, ...],
+    places: tuple[str, ...],
 ) -> tuple[str, ...]:
     """Name the combinations whose standard deviation in free coordinates exceeds `LOOSE`.
 
     Args:
-        spread: Covariance of the free coordinates of all nodes.
-        distribution: Says what each coordinate loosens.
-        node_names: Where each node is, as in "turbidity 2"; one empty name if there is one node.
+        found: spectrum by the free coordinates, terms before coefficients.
+        noise: variance of the residuals.
+        distribution: says what each coordinate loosens.
+        places: where each term is, as in "turbidity 2"; empty if terms have no place.
+
+    Returns:
+        At most eight, the loosest first, each with its standard deviation.
     """
-    variance, vectors = np.linalg.eigh(spread)
-    found = []
-    for value, vector in zip(variance[::-1], vectors.T[::-1], strict=True):
-        if value <= LOOSE**2:
+    length = np.linalg.norm(found.vectors, axis=0)
+    error = np.sqrt(noise / found.values) * length
+    named: dict[str, str] = {}
+    for k in np.argsort(error)[::-1]:
+        if error[k] <= LOOSE or len(named) == _MOST_NAMED:
             break
-        strongest = np.abs(vector).reshape(len(node_names), -1)
-        node, coordinate = np.unravel_index(strongest.argmax(), strongest.shape)
-        place = f" at {node_names[node]}" if node_names[node] else ""
-        found.append(f"{distribution.loosened[coordinate]}{place} (±{np.sqrt(value):.2g})")
-    return tuple(found)
+        table = (found.vectors[:, k] ** 2).reshape(-1, len(distribution.names)) / length[k] ** 2
+        words = _words(table.sum(0), distribution)
+        if places:
+            words += f" at {places[int(table.max(1).argmax())]}"
+        named.setdefault(words, f"{words} (±{error[k]:.2g})")
+    return tuple(named.values())
 
 
-def line_with_errors(
-    nodes: Float[np.ndarray, "node coefficient"],
-    spread: Float[np.ndarray, "parameter parameter"],
-    dependence: AbstractDependence,
-) -> tuple[Float[np.ndarray, "coefficient 2"], Float[np.ndarray, "coefficient 2"]]:
-    """Slopes and intercepts, and their standard errors from the covariance at the nodes."""
-    unit = np.eye(nodes.size).reshape(-1, *nodes.shape)
-    lines = np.asarray(_lines(dependence, as_float(unit)), float)
-    line = np.einsum("p,pci->ci", nodes.ravel(), lines)
-    return line, np.sqrt(np.einsum("pci,pq,qci->ci", lines, spread, lines))
-
-
-@eqx.filter_jit
-def _lines(dependence, nodes):
-    return jax.vmap(dependence.line)(nodes)
+def _words(share: Float[np.ndarray, " coefficient"], distribution: AbstractDistribution) -> str:
+    """What is loose, by each coordinate's share."""
+    first, *others = np.argsort(share)[::-1]
+    words = distribution.loosened
+    if words != distribution.names or not others or share[others[0]] <= 0.1:
+        return words[first]
+    return f"{words[first]} with {words[others[0]]}"

@@ -1,7 +1,7 @@
 """Fit files: JSON documents that outlive the program that wrote them.
 
-`schema` says how to read one. Version 2 added `form`, which formula the file holds, and
-`positivity`; version 1 held the published form only. Older versions load.
+`schema` says how to read one. Version 1 held the published form only; version 2 had two forms, of
+the published formula and of any other; version 3 has one. Older versions load.
 """
 
 import dataclasses
@@ -12,16 +12,17 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 
-from .diagnostics import Diagnostics
+from .older_files import upgraded
 
 
-SCHEMA = "skyfit/fit/2"
-READABLE = ("skyfit/fit/1", SCHEMA)
+SCHEMA = "skyfit/fit/3"
+READABLE = ("skyfit/fit/1", "skyfit/fit/2", SCHEMA)
 
 
-def write_document(path: str | PathLike[str], form: str, fields: dict[str, Any]) -> None:
+def write_document(path: str | PathLike[str], fields: dict[str, Any]) -> None:
     """Write a fit's fields as JSON.
 
     Raises:
@@ -29,18 +30,30 @@ def write_document(path: str | PathLike[str], form: str, fields: dict[str, Any])
     """
     target = Path(path)
     if target.exists():
-        read_document(target)
-    document = {"schema": SCHEMA, "form": form, **plain(fields)}
+        _read(target)
+    document = {"schema": SCHEMA, **plain(fields)}
     target.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def read_document(path: Path) -> dict[str, Any]:
-    """A fit's document, of this version or an older one, with its `form`.
+def read_document(path: str | PathLike[str]) -> dict[str, Any]:
+    """A fit's document in the form of this version.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: It is no fit, or of a later version.
+        ValueError: It is no fit, or of a later version, or an older one lacks a key.
     """
+    document = _read(Path(path))
+    if document["schema"] == SCHEMA:
+        return document
+    try:
+        return upgraded(document)
+    except KeyError as error:
+        raise ValueError(f"{path}: key {error} is missing") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def _read(path: Path) -> dict[str, Any]:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
@@ -48,7 +61,7 @@ def read_document(path: Path) -> dict[str, Any]:
     schema = document.get("schema", "missing") if isinstance(document, dict) else "missing"
     if schema not in READABLE:
         raise ValueError(f"{path}: schema is {schema!r}, expected {SCHEMA!r} or an older one")
-    return {"form": "published", **document}
+    return document
 
 
 def array_of(path: Any, key: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -62,21 +75,16 @@ def array_of(path: Any, key: str, value: Any, shape: tuple[int, ...]) -> np.ndar
     return array
 
 
-def diagnostics_from(record: dict[str, Any]) -> Diagnostics:
-    """Diagnostics of a channel as they were saved."""
-    fields: dict[str, Any] = {f.name: record[f.name] for f in dataclasses.fields(Diagnostics)}
-    fields["unidentified"] = tuple(fields["unidentified"])
-    return Diagnostics(**fields)
-
-
 def plain(value: Any) -> Any:
     """The same in dictionaries, lists, numbers and words alone, for JSON."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
+    if isinstance(value, np.ndarray | np.generic | jax.Array):
+        return np.asarray(value).tolist()
     if value is None or isinstance(value, bool | int | float | str):
         return value
     return str(value)

@@ -1,33 +1,107 @@
 """Reading a fit file back, whatever formula it holds."""
 
+import dataclasses
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
-from .document import read_document
-from .formula_record import FormulaFit
-from .record import SkyFit
+import numpy as np
+
+from ..models.basis import basis_from
+from ..models.domes import distribution_from
+from ..models.formula import CHANNEL_KINDS
+from ..models.scale import PaperZenith, scale_from
+from .diagnostics import Diagnostics
+from .document import array_of, read_document
+from .positivity import Positivity
+from .record import Notes, SkyFit, TwoStage
 
 
-_FORMS: dict[str, Any] = {"published": SkyFit, "formula": FormulaFit}
-
-
-def load_fit(path: str | PathLike[str]) -> SkyFit | FormulaFit:
+def load_fit(path: str | PathLike[str]) -> SkyFit:
     """Read a fit back.
-
-    Returns:
-        A `SkyFit` if the file holds the published form, else a `FormulaFit`.
 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: It is not a fit, is of a later version, or a key is missing or of wrong shape;
             the message names the file and the key.
     """
-    document = read_document(Path(path))
-    form = document["form"]
-    if form not in _FORMS:
-        raise ValueError(f"{path}: form: expected one of {tuple(_FORMS)}; got {form!r}")
+    document = read_document(path)
     try:
-        return _FORMS[form].from_document(path, document)
+        return _fit(path, document)
     except KeyError as error:
         raise ValueError(f"{path}: key {error} is missing") from error
+
+
+def _fit(path, document) -> SkyFit:
+    formula = document["formula"]
+    kind, names = formula["kind"], formula["channels"]
+    if kind not in (*CHANNEL_KINDS, "bands"):
+        raise ValueError(f"{path}: formula.kind: expected a kind of channels; got {kind!r}")
+    if kind in CHANNEL_KINDS and tuple(names) != CHANNEL_KINDS[kind]:
+        raise ValueError(f"{path}: formula.channels: expected {CHANNEL_KINDS[kind]}; got {names}")
+    try:
+        distribution = distribution_from(formula["distribution"])
+        basis = basis_from(formula["basis"])
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path}: formula: {error}") from error
+    try:
+        scale = scale_from(formula["scale"])
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path}: formula.scale: {error}") from error
+    size = (len(distribution.names), basis.num_terms)
+
+    def tables(key, record):
+        return {name: array_of(path, f"{key}.{name}", record[name], size) for name in names}
+
+    bands = formula["wavelengths"]
+    sized = {name: document["scale_errors"].get(name, {}) for name in document["scale_errors"]}
+    errors = {
+        name: {part: np.array(value, float) for part, value in parts.items()}
+        for name, parts in sized.items()
+    }
+    if isinstance(scale, PaperZenith):
+        numbers = scale.numbers()
+        errors = {
+            name: {
+                part: array_of(path, f"scale_errors.{name}.{part}", errors[name][part], value.shape)
+                for part, value in parts.items()
+            }
+            for name, parts in numbers.items()
+        }
+    return SkyFit(
+        numbers=tables("formula.numbers", formula["numbers"]),
+        number_errors=tables("standard_errors", document["standard_errors"]),
+        basis=basis,
+        distribution=distribution,
+        scale=scale,
+        scale_errors=errors,
+        wavelengths=bands and array_of(path, "formula.wavelengths", bands, (len(names),)),
+        linked=bool(formula["linked"]),
+        kind=kind,
+        ranges=tuple((name, tuple(ends)) for name, ends in formula["ranges"].items()),
+        sun_zenith_range=tuple(formula["sun_zenith_range"]),
+        notes=_notes(document, names),
+    )
+
+
+def _notes(document, names) -> Notes:
+    stages, margins = document["two_stage"], document["positivity"]
+    return Notes(
+        diagnostics={name: _diagnostics(document["diagnostics"][name]) for name in names},
+        scale_rms={name: float(document["scale_rms"][name]) for name in names},
+        two_stage=stages and {name: _two_stage(stages[name]) for name in names},
+        positivity=margins and Positivity(**margins),
+        settings=document["settings"],
+        provenance=document["provenance"],
+    )
+
+
+def _diagnostics(record: dict[str, Any]) -> Diagnostics:
+    fields: dict[str, Any] = {f.name: record[f.name] for f in dataclasses.fields(Diagnostics)}
+    fields["unidentified"] = tuple(fields["unidentified"])
+    return Diagnostics(**fields)
+
+
+def _two_stage(record: dict[str, Any]) -> TwoStage:
+    fields: dict[str, Any] = {f.name: record[f.name] for f in dataclasses.fields(TwoStage)}
+    rms = float(fields.pop("rms"))
+    return TwoStage(**{name: np.array(value, float) for name, value in fields.items()}, rms=rms)

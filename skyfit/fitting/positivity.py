@@ -15,7 +15,10 @@ from ..models import AbstractSkyModel
 # The dome from the zenith to the horizon, finer where skies change faster.
 _VIEW_ZENITHS = np.radians([0, 15, 30, 45, 55, 65, 70, 75, 80, 83, 85, 87, 88, 89, 89.5, 90])
 _AZIMUTHS = np.radians([0, 3, 7, 12, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 180])
-_NUM_PARAMETERS, _NUM_SUNS = 9, 18
+_NUM_SUNS = 18
+# Values of each parameter, by how many are swept.
+_NUM_VALUES = {0: 1, 1: 9, 2: 4}
+_FEWEST_VALUES = 3
 
 
 @dataclass(frozen=True)
@@ -23,11 +26,12 @@ class Positivity:
     """The least luminance and the least margin of chromaticity over dome, suns and parameter.
 
     Attributes:
-        least_luminance: As a share of the mean of the same sky; below 0, light is negative.
-        least_luminance_at: Sun and view [rad], and the swept parameter, of that.
-        locus_margin: Distance of the chromaticity from the boundary of all colours, the spectral
+        least_luminance: least luminance as a share of the mean of the same sky; below 0, light is
+            negative.
+        least_luminance_at: sun and view [rad], and the swept parameters, of that.
+        locus_margin: distance of the chromaticity from the boundary of all colours, the spectral
             locus and the line of purples; negative outside.
-        locus_margin_at: Where that is.
+        locus_margin_at: sun and view [rad], and the swept parameters, of that.
     """
 
     least_luminance: float
@@ -65,34 +69,33 @@ def positivity(
 ) -> Positivity:
     """Look for negative luminance and impossible chromaticity on a grid over the whole dome.
 
-    The grid has 9 values of the parameter, 18 suns and 16 × 16 directions from the zenith to the
-    horizon and from the sun's azimuth to the opposite one.
+    The grid has 9 values of the parameter (4 of each of two parameters, 3 of each of more), 18 suns
+    and 16 × 16 directions from the zenith to the horizon and from the sun's azimuth to the opposite
+    one.
 
     Args:
-        sky: A fit, a model, or a function from the parameter to a model, such as
+        sky: a fit, a model, or a function from one parameter to a model, such as
             `skyfit.preetham_sky`.
-        parameter_range: Values between which to look; those of the fit or model by default.
-        sun_zenith_range: Suns between which to look [rad]; those of the fit or model by default.
+        parameter_range: values of the one parameter between which to look; those of the fit or
+            model by default.
+        sun_zenith_range: suns between which to look [rad]; those of the fit or model by default.
     """
-    name, model_at = _family(sky, parameter_range)
-    low, high = parameter_range or model_at(None).valid_range.get(name, (0.0, 0.0))
-    values = np.linspace(low, high, _NUM_PARAMETERS if high > low else 1)
-    model = model_at(as_float(values[:, None, None]) if name else None)
+    swept, model_at = _family(sky, parameter_range)
+    count = _NUM_VALUES.get(len(swept), _FEWEST_VALUES)
+    axes = [np.linspace(low, high, count if high > low else 1) for low, high in swept.values()]
+    values = [grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")] or [np.zeros(1)]
+    model = model_at(*(as_float(row[:, None, None]) for row in values[: len(swept)]))
     highest, lowest = sun_zenith_range or model.valid_range["sun_zenith"]
     suns = np.linspace(highest, lowest, _NUM_SUNS)
     view, azimuth = (a.ravel() for a in np.meshgrid(_VIEW_ZENITHS, _AZIMUTHS, indexing="ij"))
-    x, y, luminance = np.moveaxis(
-        np.asarray(model.xyY(suns[None, :, None], view[None, None], azimuth[None, None]), float),
-        -1,
-        0,
-    )
+    colours = model.xyY(suns[None, :, None], view[None, None], azimuth[None, None])
+    x, y, luminance = np.moveaxis(np.asarray(colours, float), -1, 0)
     mean = np.abs(luminance).mean(-1, keepdims=True)
     luminance = luminance / np.where(mean > 0, mean, 1.0)  # where a sky is black it stays 0
 
     def where(table):
         i, j, k = np.unravel_index(table.argmin(), table.shape)
-        found = {name: float(values[i])} if name else {}
-        return found | {
+        return {name: float(row[i]) for name, row in zip(swept, values, strict=False)} | {
             "sun_zenith": float(suns[j]),
             "view_zenith": float(view[k]),
             "relative_azimuth": float(azimuth[k]),
@@ -122,13 +125,15 @@ def _locus():
 
 
 def _family(sky, parameter_range):
-    """Name of the parameter, and a function from its values to a model."""
+    """Every parameter and its range, and a function from their values to a model."""
     if isinstance(sky, AbstractSkyModel):
-        return "", lambda _: sky
-    if hasattr(sky, "sky"):
-        name = sky.parameter_name or ""
-        start = (sky.parameter_range or (0.0, 0.0))[0]
-        return name, lambda v: sky.sky(**({name: start if v is None else v} if name else {}))
-    probe = 3.0 if parameter_range is None else parameter_range[0]
-    name = getattr(sky(probe), "parameter_name", "parameter")
-    return name, lambda v: sky(probe if v is None else v)
+        return {}, lambda: sky
+    if hasattr(sky, "swept"):
+        swept = dict(sky.swept)
+        if parameter_range is not None:
+            swept = dict.fromkeys(swept, parameter_range)
+        return swept, lambda *values: sky.sky(**dict(zip(swept, values, strict=True)))
+    probe = sky(3.0 if parameter_range is None else parameter_range[0])
+    valid = {name: ends for name, ends in probe.valid_range.items() if name != "sun_zenith"}
+    name, ends = next(iter(valid.items()), ("parameter", (0.0, 0.0)))
+    return {name: parameter_range or ends}, sky

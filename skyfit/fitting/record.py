@@ -1,23 +1,28 @@
-"""The result of a fit in the published form, and what its file holds."""
+"""The result of a fit, and what its file holds."""
 
-import dataclasses
+import json
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
-from ..models.perez import CHANNELS, PerezSky
+from ..models.basis import Basis
+from ..models.distribution import AbstractDistribution
+from ..models.formula import FormulaSky, Ranges
 from ..models.preetham import warn_outside
-from ..models.zenith import CubicZenith, TangentZenith
+from ..models.scale import AbstractScale, LogScale, PaperZenith
 from .diagnostics import Diagnostics
-from .document import array_of, diagnostics_from, write_document
+from .document import plain, write_document
 from .positivity import Positivity
 
 
-FORM = "published"  # of a file's document: A to E linear in the parameter, the paper's zenith
+# NumPy arrays; traced ones where a fit is an argument of a compiled function.
+Table = Any
 
 
 @dataclass(frozen=True)
@@ -25,11 +30,11 @@ class TwoStage:
     """One channel fitted as Preetham et al. (1999) describe: by parameter, then a line.
 
     Attributes:
-        values: Of the parameter.
+        values: values of the parameter.
         coefficients: A to E at each value.
-        line: Slope and intercept through them by least squares.
-        rms_by_value: Root mean square residual of the fit at each value.
-        rms: That of the line over all skies.
+        line: slope and intercept through them by least squares.
+        rms_by_value: root mean square residual of the fit at each value.
+        rms: root mean square residual of the line over all skies.
     """
 
     values: Float[np.ndarray, " value"]
@@ -39,74 +44,222 @@ class TwoStage:
     rms: float
 
 
-@dataclass(frozen=True)
-class SkyFit:
-    """A sky formula fitted to skies. Dictionaries have the channels "x", "y" and "Y".
+@dataclass(frozen=True, eq=False)
+class Notes:
+    """What is known of a fit besides its numbers. Two are equal if they say the same.
 
     Attributes:
-        coefficients: A to E by (slope in the parameter, intercept): [5, 2].
-        standard_errors: The same shape; see `skyfit.fitting.diagnostics.covariance`.
-        zenith: Numbers of the zenith formulas: for "x" and "y" the `matrix` of `CubicZenith`, for
-            "Y" the `linear` [cd m⁻²] and `angle` numbers of `TangentZenith`.
-        zenith_standard_errors: The same shapes.
-        zenith_rms: Root mean square relative residual of each zenith formula.
-        parameter_name: What was swept; None if nothing.
-        parameter_range: The values between which the fit holds; None if nothing was swept.
-        sun_zenith_range: The suns between which it holds [rad].
-        diagnostics: Residuals, condition number, unidentified combinations.
-        two_stage: The fit in two stages, for comparison; None if nothing was swept.
-        settings: Choices the fit was made with.
-        provenance: Attributes of the data, and the versions that made the fit.
-        positivity: How far from negative light and impossible colours the sky stays; None if it
+        diagnostics: residuals, condition number, unidentified combinations, by channel.
+        scale_rms: root mean square relative error of each channel's scale over the skies.
+        two_stage: the fit in two stages, for comparison; None if there is no line to compare.
+        positivity: how far from negative light and impossible colours the sky stays; None if it
             was not looked at.
+        settings: choices the fit was made with.
+        provenance: attributes of the data, and the versions that made the fit.
     """
 
-    coefficients: dict[str, Float[np.ndarray, "5 2"]]
-    standard_errors: dict[str, Float[np.ndarray, "5 2"]]
-    zenith: dict[str, dict[str, np.ndarray]]
-    zenith_standard_errors: dict[str, dict[str, np.ndarray]]
-    zenith_rms: dict[str, float]
-    parameter_name: str | None
-    parameter_range: tuple[float, float] | None
-    sun_zenith_range: tuple[float, float]
     diagnostics: dict[str, Diagnostics]
+    scale_rms: dict[str, float]
     two_stage: dict[str, TwoStage] | None
+    positivity: Positivity | None
     settings: dict[str, Any]
     provenance: dict[str, Any]
-    positivity: Positivity | None = None
 
-    def sky(self, **swept: ArrayLike) -> PerezSky:
+    def text(self) -> str:
+        """All of it as JSON."""
+        return json.dumps(plain(self), sort_keys=True)
+
+    def __hash__(self):
+        return hash(self.text())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Notes) and self.text() == other.text()
+
+
+class SkyFit(eqx.Module):
+    """A sky formula fitted to skies: a distribution, a basis, a scale.
+
+    A fit is a pytree whose leaves are its numbers. Dictionaries have an entry a channel.
+
+    Attributes:
+        numbers: numbers of every coefficient in the terms of `basis`.
+        number_errors: standard errors of `numbers`, as if residuals were independent.
+        basis: terms of the coefficients.
+        distribution: formula of the dome.
+        scale: factor of every channel, with its own numbers.
+        scale_errors: standard errors of the scale's numbers by name, where they are known.
+        wavelengths: wavelengths of spectral bands [nm]; None for colours.
+        linked: whether sums of numbers times terms are free numbers, whose links are the
+            coefficients; elsewhere the sums are the coefficients.
+        kind: "Yxy", "XYZ", "RGB" or "bands".
+        ranges: name of every swept parameter, and the values between which the fit holds.
+        sun_zenith_range: suns between which it holds [rad].
+        notes: what is known of the fit besides its numbers.
+    """
+
+    numbers: dict[str, Table]
+    number_errors: dict[str, Table]
+    basis: Basis
+    distribution: AbstractDistribution
+    scale: AbstractScale
+    scale_errors: dict[str, dict[str, Any]]
+    wavelengths: Float[Array | np.ndarray, " channel"] | None
+    linked: bool = eqx.field(static=True)
+    kind: str = eqx.field(static=True)
+    ranges: Ranges = eqx.field(static=True)
+    sun_zenith_range: tuple[float, float] = eqx.field(static=True)
+    notes: Notes = eqx.field(static=True)
+
+    __hash__ = object.__hash__  # arrays have none
+
+    @property
+    def coefficients(self) -> dict[str, Table]:
+        """Coefficients linear in the parameter by (slope, intercept): [5, 2] for Perez's A to E.
+
+        Raises:
+            AttributeError: The formula is another; `sky(...).coefficients(sun_zenith)` has them.
+        """
+        if self.linked:
+            raise AttributeError(
+                f"SkyFit.coefficients: those of a {self.notes.settings.get('dependence')} formula "
+                "change with the sun; expected sky(...).coefficients(sun_zenith)"
+            )
+        return {name: _line(table, self.basis) for name, table in self.numbers.items()}
+
+    @property
+    def standard_errors(self) -> dict[str, Table]:
+        """Standard errors of `coefficients`, or of `numbers` where the formula is linked."""
+        if self.linked:
+            return self.number_errors
+        return {name: _line(table, self.basis) for name, table in self.number_errors.items()}
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return tuple(self.numbers)
+
+    @property
+    def num_numbers(self) -> int:
+        """Numbers of one channel: coefficients times terms, and those of the scale."""
+        scale = self.scale
+        if isinstance(scale, PaperZenith):
+            size = scale.luminance.linear.size + scale.luminance.angle.size
+        else:
+            assert isinstance(scale, LogScale)
+            size = scale.basis.num_terms
+        return self.basis.num_terms * len(self.distribution.names) + size
+
+    @property
+    def zenith(self) -> dict[str, dict[str, Any]]:
+        """Numbers of the paper's zenith: `matrix` of x and y, `linear` and `angle` of Y.
+
+        Raises:
+            AttributeError: The formula has another scale.
+        """
+        if not isinstance(self.scale, PaperZenith):
+            raise AttributeError("SkyFit.zenith: this formula has no zenith of the paper's form")
+        return self.scale.numbers()
+
+    @property
+    def zenith_standard_errors(self) -> dict[str, dict[str, Any]]:
+        """Standard errors of `zenith`; the same shapes."""
+        return self.scale_errors
+
+    @property
+    def zenith_rms(self) -> dict[str, float]:
+        """Root mean square relative residual of each channel's scale."""
+        return self.notes.scale_rms
+
+    @property
+    def swept(self) -> dict[str, tuple[float, float]]:
+        """Every swept parameter, and the values between which the fit holds."""
+        return dict(self.ranges)
+
+    @property
+    def parameter_name(self) -> str | None:
+        """Name of the one swept parameter; None if nothing was swept."""
+        return self.ranges[0][0] if self.ranges else None
+
+    @property
+    def parameter_range(self) -> tuple[float, float] | None:
+        """Values of the one swept parameter between which the fit holds; None if there is none."""
+        return self.ranges[0][1] if self.ranges else None
+
+    @property
+    def diagnostics(self) -> dict[str, Diagnostics]:
+        """Residuals, condition number, unidentified combinations."""
+        return self.notes.diagnostics
+
+    @property
+    def two_stage(self) -> dict[str, TwoStage] | None:
+        """The fit in two stages, for comparison."""
+        return self.notes.two_stage
+
+    @property
+    def positivity(self) -> Positivity | None:
+        """How far from negative light and impossible colours the sky stays."""
+        return self.notes.positivity
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Choices the fit was made with."""
+        return self.notes.settings
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Attributes of the data, and the versions that made the fit."""
+        return self.notes.provenance
+
+    def sky(self, **swept: ArrayLike) -> FormulaSky:
         """The fitted sky model.
 
         Args:
-            **swept: The swept parameter under its own name, as in `turbidity=3.0`; nothing where
+            **swept: every swept parameter under its own name, as in `turbidity=3.0`; nothing where
                 nothing was swept. Outside the fitted range it is held at the nearest end, with a
                 warning where it is known.
 
         Raises:
-            ValueError: The parameter is missing, NaN, or another one is given.
+            ValueError: A parameter is missing, NaN, or another one is given.
         """
-        expected = [self.parameter_name] if self.parameter_name else []
-        if list(swept) != expected:
+        expected = [name for name, _ in self.ranges]
+        if sorted(swept) != sorted(expected):
             raise ValueError(f"SkyFit.sky: expected the parameters {expected}; got {list(swept)}")
-        value, valid = as_float(0.0), (0.0, 0.0)
-        if self.parameter_name and self.parameter_range:
-            name, valid = f"SkyFit.sky({self.parameter_name}=...)", self.parameter_range
-            value = as_float(swept[self.parameter_name])
-            value = check(value, lambda v: v != v, f"{name} must be a number")
-            warn_outside(value, valid, name)
-        return PerezSky(
-            parameter=value,
-            coefficients=as_float(np.stack([self.coefficients[name] for name in CHANNELS])),
-            zenith_x=CubicZenith(as_float(self.zenith["x"]["matrix"])),
-            zenith_y=CubicZenith(as_float(self.zenith["y"]["matrix"])),
-            zenith_luminance=TangentZenith(
-                as_float(self.zenith["Y"]["linear"]), as_float(self.zenith["Y"]["angle"])
-            ),
-            parameter_name=self.parameter_name or "",
-            parameter_range=valid,
+        values = {}
+        for name, valid in self.ranges:
+            where = f"SkyFit.sky({name}=...)"
+            value = check(as_float(swept[name]), lambda v: v != v, f"{where} must be a number")
+            warn_outside(value, valid, where)
+            values[name] = value
+        return self._at(values)
+
+    def _at(self, swept) -> FormulaSky:
+        return FormulaSky(
+            swept=swept,
+            numbers=jnp.stack([as_float(table) for table in self.numbers.values()]),
+            basis=self.basis,
+            distribution=self.distribution,
+            scale=self.scale,
+            wavelengths=None if self.wavelengths is None else as_float(self.wavelengths),
+            linked=self.linked,
+            kind=self.kind,
+            ranges=self.ranges,
             sun_zenith_range=self.sun_zenith_range,
         )
+
+    def describe(self) -> dict[str, Any]:
+        """The formula as plain names and numbers, all that is needed to evaluate it."""
+        return {
+            "kind": self.kind,
+            "channels": list(self.numbers),
+            "wavelengths": plain(self.wavelengths),
+            "ranges": {name: list(ends) for name, ends in self.ranges},
+            "sun_zenith_range": list(self.sun_zenith_range),
+            "distribution": self.distribution.describe(),
+            "basis": self.basis.describe(),
+            "linked": self.linked,
+            "numbers": plain(self.numbers),
+            "scale": self.scale.describe(),
+        }
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the fit as JSON; `load_fit` reads it back equal.
@@ -114,45 +267,12 @@ class SkyFit:
         Raises:
             ValueError: There is a file that is no fit of skyfit: it is not replaced.
         """
-        write_document(path, FORM, dataclasses.asdict(self))
-
-    @classmethod
-    def from_document(cls, path: str | PathLike[str], document: dict[str, Any]) -> "SkyFit":
-        """The fit of a file's document; a missing key raises KeyError."""
-        document = {"positivity": None, **document}  # schema 1 had none
-        fields = {field.name: document[field.name] for field in dataclasses.fields(cls)}
-        for name in ("coefficients", "standard_errors"):
-            fields[name] = {
-                channel: array_of(path, f"{name}.{channel}", fields[name][channel], (5, 2))
-                for channel in CHANNELS
-            }
-        for name in ("zenith", "zenith_standard_errors"):
-            tables = fields[name]
-            fields[name] = {
-                channel: {
-                    key: array_of(path, f"{name}.{channel}.{key}", tables[channel][key], shape)
-                    for key, shape in _ZENITH_SHAPES[channel].items()
-                }
-                for channel in CHANNELS
-            }
-        for name in ("parameter_range", "sun_zenith_range"):
-            fields[name] = tuple(fields[name]) if fields[name] is not None else None
-        fields["diagnostics"] = {c: diagnostics_from(d) for c, d in fields["diagnostics"].items()}
-        if fields["two_stage"] is not None:
-            fields["two_stage"] = {c: _two_stage(d) for c, d in fields["two_stage"].items()}
-        if fields["positivity"] is not None:
-            fields["positivity"] = Positivity(**fields["positivity"])
-        return cls(**fields)
+        errors = {"standard_errors": self.number_errors, "scale_errors": self.scale_errors}
+        write_document(path, {"formula": self.describe(), **errors, **plain(self.notes)})
 
 
-def _two_stage(record: dict[str, Any]) -> TwoStage:
-    fields: dict[str, Any] = {f.name: record[f.name] for f in dataclasses.fields(TwoStage)}
-    rms = float(fields.pop("rms"))
-    return TwoStage(**{name: np.array(value, float) for name, value in fields.items()}, rms=rms)
-
-
-_ZENITH_SHAPES = {
-    "x": {"matrix": (3, 4)},
-    "y": {"matrix": (3, 4)},
-    "Y": {"linear": (4,), "angle": (2,)},
-}
+def _line(table: Table, basis: Basis) -> Table:
+    """Slope and intercept, where nothing varies a slope of 0."""
+    if basis.axes:
+        return table
+    return np.concatenate([np.zeros_like(table), np.asarray(table)], axis=1)

@@ -13,7 +13,8 @@ from jaxtyping import Bool, Float, Int
 from .._typing import as_float
 from ..angles import view_sun_angle
 from ..colour import spectrum_to_xyY
-from ..models.perez import CHANNELS
+from ..models.basis import SUN
+from ..models.formula import CHANNELS
 
 
 if TYPE_CHECKING:
@@ -35,21 +36,19 @@ class Skies:
     """Skies in a row, as NumPy arrays.
 
     Attributes:
-        parameter_name: What was swept; None if nothing.
-        parameter: Its value for each sky.
-        sun_zenith: [rad].
-        view_zenith: [rad].
-        relative_azimuth: [rad].
-        values: For x, y, Y (in cd m⁻²), or the channels named, all finite.
-        zenith: Values at the zenith; None if no direction is the zenith.
-        shape: Of the dataset's sky dimensions, before they were put in a row.
-        channels: Names of the channels.
-        kind: Of the channels: "Yxy", "XYZ", "RGB" or "bands".
-        wavelengths: Of spectral bands [nm].
+        swept: value of every swept parameter for each sky, by name; empty if nothing was swept.
+        sun_zenith: zenith angle of the sun [rad].
+        view_zenith: zenith angle of every view [rad].
+        relative_azimuth: azimuth of every view from the sun's [rad].
+        values: values of x, y, Y (in cd m⁻²), or of the channels named, all finite.
+        zenith: values at the zenith; None if no direction is the zenith.
+        shape: shape of the dataset's sky dimensions, before they were put in a row.
+        channels: names of the channels.
+        kind: kind of the channels: "Yxy", "XYZ", "RGB" or "bands".
+        wavelengths: wavelengths of spectral bands [nm].
     """
 
-    parameter_name: str | None
-    parameter: Float[np.ndarray, " sky"]
+    swept: dict[str, Float[np.ndarray, " sky"]]
     sun_zenith: Float[np.ndarray, " sky"]
     view_zenith: Float[np.ndarray, "sky direction"]
     relative_azimuth: Float[np.ndarray, "sky direction"]
@@ -68,9 +67,19 @@ class Skies:
         return np.asarray(_view_sun_angle(*angles), float)
 
     @property
-    def parameter_range(self) -> tuple[float, float]:
-        """Smallest and largest value of what was swept."""
-        return float(self.parameter.min()), float(self.parameter.max())
+    def count(self) -> int:
+        """Number of skies."""
+        return self.sun_zenith.size
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value of every swept parameter."""
+        return {name: (float(v.min()), float(v.max())) for name, v in self.swept.items()}
+
+    @property
+    def quantities(self) -> dict[str, Float[np.ndarray, " sky"]]:
+        """What a basis may depend on: the swept parameters and the sun, by name."""
+        return {**self.swept, SUN: self.sun_zenith}
 
     @property
     def sun_zenith_range(self) -> tuple[float, float]:
@@ -81,7 +90,7 @@ class Skies:
         """Some of the skies, in a row."""
         return dataclasses.replace(
             self,
-            parameter=self.parameter[chosen],
+            swept={name: values[chosen] for name, values in self.swept.items()},
             sun_zenith=self.sun_zenith[chosen],
             view_zenith=self.view_zenith[chosen],
             relative_azimuth=self.relative_azimuth[chosen],
@@ -104,14 +113,15 @@ class Skies:
         weight = inside * np.stack(rows)
         return weight / np.sqrt(np.mean(weight[inside] ** 2))
 
-    def groups(self, by: Literal["all", "parameter", "sky"]) -> Int[np.ndarray, "lane sky"]:
+    def groups(self, by: Literal["all", "swept", "sky"]) -> Int[np.ndarray, "lane sky"]:
         """Which skies share coefficients; -1 pads a group that is shorter than others."""
-        count = self.parameter.size
         if by == "all":
-            return np.arange(count)[None]
+            return np.arange(self.count)[None]
         if by == "sky":
-            return np.arange(count)[:, None]
-        members = [np.flatnonzero(self.parameter == value) for value in np.unique(self.parameter)]
+            return np.arange(self.count)[:, None]
+        table = np.stack([np.zeros(self.count), *self.swept.values()], axis=1)
+        _, which = np.unique(table, axis=0, return_inverse=True)
+        members = [np.flatnonzero(which == k) for k in range(which.max() + 1)]
         longest = max(map(len, members))
         return np.stack([np.pad(m, (0, longest - m.size), constant_values=-1) for m in members])
 
@@ -129,8 +139,8 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
         caller: Whose argument `data` is, for messages.
 
     Raises:
-        ValueError: A variable is missing, two parameters are swept, the sun is below the horizon,
-            or a value cannot be fitted: NaN, infinite, or not above 0.
+        ValueError: A variable is missing, the sun is below the horizon, or a value cannot be
+            fitted: NaN, infinite, or not above 0.
     """
     for name in ("view_zenith", "relative_azimuth", "sun_zenith"):
         if name not in data.variables:
@@ -138,8 +148,6 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     channels = _channels(data, caller)
     dims = tuple(str(d) for d in channels["Y"].dims if d != "direction")
     swept = [d for d in dims if d not in SUN_DIMENSIONS]
-    if len(swept) > 1:
-        raise ValueError(f"{caller}(data=...): expected one swept dimension; got {swept}")
     for name in swept:
         if name not in data.coords:
             raise ValueError(f"{caller}(data=...): dimension {name!r} has no coordinate values")
@@ -161,10 +169,8 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     sun = row(data["sun_zenith"], directions=False)
     values = np.stack([row(channels[name], directions=True) for name in CHANNELS])
     _refuse_unfit(caller, sun, view, azimuth, values)
-    parameter = row(data[swept[0]], directions=False) if swept else np.zeros(sun.shape)
     return Skies(
-        parameter_name=swept[0] if swept else None,
-        parameter=parameter,
+        swept={name: row(data[name], directions=False) for name in swept},
         sun_zenith=sun,
         view_zenith=view,
         relative_azimuth=azimuth,

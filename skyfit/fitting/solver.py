@@ -1,5 +1,6 @@
 """Levenberg-Marquardt for batches of small fits, as a solver of optimistix."""
 
+from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -17,6 +18,7 @@ class _State(eqx.Module):
     gradient: Float[Array, " parameter"]
     damping: Float[Array, ""]
     growth: Float[Array, ""]
+    solved: Bool[Array, ""]
     terminate: Bool[Array, ""]
     result: optx.RESULTS
 
@@ -32,13 +34,23 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
 
     A fit has converged when an undamped step promises to lower the loss by less than `rtol` of it,
     or when the step is below `atol`.
+
+    Attributes:
+        rtol: relative decrease of the loss, promised by an undamped step, that ends a fit.
+        atol: length of a step that ends a fit.
+        norm: norm that optimistix asks for.
+        first_damping: damping of the first step.
+        longest_step: largest change of a parameter in one step.
+        equations: function of the parameters and `args` that gives half the sum of squares, JᵀJ
+            and Jᵀr, where these have a structure to use; by default the Jacobian of the residuals.
     """
 
-    rtol: float
+    rtol: Any
     atol: float
     norm: Any = eqx.field(static=True, default=optx.max_norm)
     first_damping: float = 1e-3
     longest_step: float = 2.0
+    equations: Callable[..., Any] | None = eqx.field(static=True, default=None)
 
     def init(
         self,
@@ -60,6 +72,7 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
             gradient=jnp.zeros_like(y),
             damping=zero + self.first_damping,
             growth=zero + 2,
+            solved=jnp.array(True),
             terminate=jnp.array(False),
             result=optx.RESULTS.successful,
         )
@@ -74,7 +87,10 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
         tags: frozenset[object],
     ) -> tuple[Float[Array, " parameter"], _State, PyTree]:
         """Evaluate the trial, take it or leave it, and propose the next."""
-        loss, gram, gradient, aux = _normal_equations(fn, state.trial, args)
+        if self.equations is None:
+            loss, gram, gradient, aux = _normal_equations(fn, state.trial, args)
+        else:
+            (loss, gram, gradient), aux = self.equations(state.trial, args), None
         first = jnp.isinf(state.loss)
         # A trial that overflows is a bad one, not the end; a start that does is.
         ratio = jnp.where(first, 1.0, (state.loss - loss) / _above_zero(state.predicted))
@@ -94,10 +110,10 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
             (state.loss, state.gram, state.gradient),
         )
 
-        change, predicted = self._propose(gram, gradient, damping)
+        change, predicted, solved = self._propose(gram, gradient, damping)
         # What is promised under strong damping says nothing about the distance to the optimum.
-        settled = (predicted <= self.rtol * loss) & (damping <= 1e-2)
-        stuck = (jnp.max(jnp.abs(moved)) <= self.atol) & ~first
+        settled = (predicted <= self.rtol * loss) & (damping <= 1e-2) & solved
+        stuck = (jnp.max(jnp.abs(moved)) <= self.atol) & ~first & state.solved
         return (
             y,
             _State(
@@ -108,6 +124,7 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
                 gradient=gradient,
                 damping=damping,
                 growth=growth,
+                solved=solved,
                 terminate=settled | stuck,
                 result=_result(failed),
             ),
@@ -141,7 +158,7 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
         return y, aux, {"loss": state.loss}
 
     def _propose(self, gram, gradient, damping):
-        """The next step, and by how much it should lower the loss."""
+        """The next step, by how much it should lower the loss, and whether there is one."""
         diagonal = jnp.diagonal(gram)
         floor = 1e-10 * jnp.max(diagonal) + jnp.finfo(gram.dtype).tiny
         scale = 1 / jnp.sqrt(jnp.maximum(diagonal, floor))
@@ -150,9 +167,11 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
             scaled + damping * jnp.eye(scale.size, dtype=scale.dtype)
         )
         change = -scale * jax.scipy.linalg.cho_solve(factor, scale * gradient)
-        change = jnp.where(jnp.isfinite(change), change, 0.0)
+        # Equations that rounding errors made indefinite have no factor: more damping gives one.
+        solved = jnp.all(jnp.isfinite(change))
+        change = jnp.where(solved, change, 0.0)
         change = change / jnp.maximum(1.0, jnp.max(jnp.abs(change)) / self.longest_step)
-        return change, -(gradient @ change + 0.5 * change @ gram @ change)
+        return change, -(gradient @ change + 0.5 * change @ gram @ change), solved
 
 
 def _normal_equations(fn, y, args):

@@ -18,9 +18,9 @@ from .day import (
     day_course as day_course,
     day_sky as day_sky,
 )
+from .formula import FormulaSky as FormulaSky
 from .hoffman import (
     HoffmanPreethamSky as HoffmanPreethamSky,
     hoffman_preetham_sky as hoffman_preetham_sky,
 )
-from .perez import PerezSky as PerezSky
 from .preetham import preetham_sky as preetham_sky

@@ -18,11 +18,11 @@ from .._typing import ArrayLike, as_float, check
 from ..sun.irradiance import Irradiance, bird
 from ..sun.light import air_mass
 from ..tables import read_table
-from .distributions import AbstractDistribution, Parameters, Sight
 from .levels import AbstractQuantity, ByIlluminance
 from .luminance_sky import ConstantChromaticity, LuminanceSky
 from .perez import perez
 from .preetham import TURBIDITY_RANGE, warn_outside
+from .standard_skies import AbstractLuminanceForm, Parameters, Sight
 from .twilight import daytime_sun
 
 
@@ -60,7 +60,7 @@ class ClearWeather(AbstractWeather):
         return bird(turbidity, sun, jnp.full_like(sun, 0.2))
 
 
-class AllWeather(AbstractDistribution):
+class AllWeather(AbstractLuminanceForm):
     """Perez's form with coefficients that follow clearness, brightness and sun.
 
     Attributes:

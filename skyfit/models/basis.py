@@ -1,13 +1,15 @@
-"""How the coefficients of a formula depend on the swept parameter and on the sun.
+"""How the numbers of a formula depend on what was swept and on the sun.
 
-A basis is a set of terms, functions of the parameter and of the sun's zenith angle. What depends on
-them, a coefficient before its link or the logarithm of a scale, is a sum of numbers times terms.
-Parameter and sun are held at the ends of the ranges for which the numbers were made.
+A basis is a product of axes. An axis is a set of functions of one quantity: a swept parameter, or
+the sun's zenith angle. What depends on the quantities, a coefficient or the logarithm of a scale,
+is a sum of numbers times terms, the products of one function of every axis. Quantities are held at
+the ends of the ranges for which the numbers were made.
 """
 
 import abc
 import math
 from collections.abc import Mapping
+from functools import reduce
 from typing import Any
 
 import equinox as eqx
@@ -18,206 +20,270 @@ from jaxtyping import Array, Float
 from .._typing import as_float
 
 
-SUN_FUNCTIONS = ("zenith angle", "cosine", "cube root of elevation")
+SUN = "sun_zenith"  # the quantity that every sky has [rad]
+FUNCTIONS = ("identity", "cosine", "cube root of elevation")
 # The cube root is infinitely steep at the horizon: lower suns are taken to be this high.
 LEAST_ELEVATION = math.radians(0.1)
 
+Quantities = Mapping[str, Float[Array, "..."]]
 
-class AbstractBasis(eqx.Module):
-    """Terms in the swept parameter and the sun's zenith angle."""
+
+class AbstractAxis(eqx.Module):
+    """Functions of one quantity.
+
+    Attributes:
+        quantity: name of the quantity, a swept parameter or `SUN`.
+    """
+
+    quantity: eqx.AbstractVar[str]
 
     @property
     @abc.abstractmethod
-    def num_terms(self) -> int:
-        """How many numbers stand for one coefficient."""
+    def size(self) -> int:
+        """Number of functions."""
 
     @abc.abstractmethod
-    def terms(
-        self, parameter: Float[Array, "*#batch"], sun_zenith: Float[Array, "*#batch"]
-    ) -> Float[Array, "term *batch"]:
-        """Value of every term; of 0 for the parameter where nothing was swept."""
+    def functions(self, value: Float[Array, "*batch"]) -> list[Float[Array, "*batch"]]:
+        """Value of every function."""
 
     @abc.abstractmethod
     def describe(self) -> dict[str, Any]:
-        """As names and numbers, for files; `basis_from` makes the same basis of it."""
+        """Names and numbers that describe the axis in files; `basis_from` reads them."""
 
     @abc.abstractmethod
-    def roughness(self) -> Float[np.ndarray, "term term"]:
-        """Quadratic form in the numbers that is 0 where they vary as smoothly as they can."""
+    def constant(self) -> Float[np.ndarray, " size"]:
+        """Numbers whose sum is 1 everywhere."""
+
+    def bends(self) -> Float[np.ndarray, "bend size"]:
+        """Rows that give the kinks of a sum; none where it is smooth by its making."""
+        return np.zeros((1, self.size))
 
 
-class Polynomial(AbstractBasis):
-    """Products of Chebyshev polynomials in the parameter and in a function of the sun.
+class Chebyshev(AbstractAxis):
+    """Chebyshev polynomials Tₖ(u) = cos(k arccos u) of a function of a quantity.
 
-    Term i (n + 1) + j is Tᵢ(u) Tⱼ(v) with Tₖ(u) = cos(k arccos u), u and v being the parameter and
-    the sun's function, both put linearly on [-1, 1] from the ends of their ranges.
+    The function of the quantity is put linearly on u from -1 to 1 between the ends.
 
     Attributes:
-        parameter_range: Where u is -1 and 1; equal where nothing was swept.
-        sun_range: Zenith angles of the sun where v is -1 and 1 [rad].
-        parameter_degree: Highest i.
-        sun_degree: Highest j, n above.
-        sun_function: One of `SUN_FUNCTIONS`.
+        quantity: name of the quantity.
+        ends: values of the quantity where u is -1 and 1.
+        degree: highest k.
+        function: one of `FUNCTIONS`; the last two are for the sun's zenith angle.
     """
 
-    parameter_range: Float[Array, "2"] = eqx.field(converter=as_float)
-    sun_range: Float[Array, "2"] = eqx.field(converter=as_float)
-    parameter_degree: int = eqx.field(static=True)
-    sun_degree: int = eqx.field(static=True)
-    sun_function: str = eqx.field(static=True, default="zenith angle")
+    quantity: str = eqx.field(static=True)
+    ends: Float[Array, "2"] = eqx.field(converter=as_float)
+    degree: int = eqx.field(static=True)
+    function: str = eqx.field(static=True, default="identity")
 
     def __check_init__(self):
         """Refuse what is no polynomial."""
-        if self.parameter_degree < 0 or self.sun_degree < 0:
-            raise ValueError("Polynomial: expected degrees of 0 or more")
-        if self.sun_function not in SUN_FUNCTIONS:
+        if self.degree < 0:
+            raise ValueError("Chebyshev(degree=...): expected 0 or more")
+        if self.function not in FUNCTIONS:
             raise ValueError(
-                f"Polynomial(sun_function=...): expected one of {SUN_FUNCTIONS}; "
-                f"got {self.sun_function!r}"
+                f"Chebyshev(function=...): expected one of {FUNCTIONS}; got {self.function!r}"
             )
 
     @property
-    def num_terms(self) -> int:
-        """Products of a power of each."""
-        return (self.parameter_degree + 1) * (self.sun_degree + 1)
+    def size(self):
+        """One more than the degree."""
+        return self.degree + 1
 
-    def terms(self, parameter, sun_zenith):
-        """Chebyshev polynomials by their recurrence."""
-        u = _unit(parameter, self.parameter_range.astype(parameter.dtype))
-        ends = self.sun_range.astype(sun_zenith.dtype)
-        held = jnp.clip(sun_zenith, ends[0], ends[1])
-        v = _unit(_of_sun(held, self.sun_function), _of_sun(ends, self.sun_function))
-        along_u, along_v = _chebyshev(u, self.parameter_degree), _chebyshev(v, self.sun_degree)
-        return jnp.stack([a * b for a in along_u for b in along_v])
+    def functions(self, value):
+        """Chebyshev polynomials by their recurrence; u is 0 where both ends are the same."""
+        ends = self.ends.astype(value.dtype)
+        held = jnp.clip(value, ends[0], ends[1])
+        low, high = _function(ends, self.function)
+        some = high != low
+        share = (_function(held, self.function) - low) / jnp.where(some, high - low, 1.0)
+        u = jnp.where(some, jnp.clip(2 * share - 1, -1.0, 1.0), 0.0)
+        found = [jnp.ones_like(u), u]
+        while len(found) <= self.degree:
+            found.append(2 * u * found[-1] - found[-2])
+        return found[: self.size]
 
     def describe(self):
-        """Degrees and ranges."""
-        (low, high), (first, last) = np.asarray(self.parameter_range), np.asarray(self.sun_range)
+        """Ends, degree and function."""
+        low, high = np.asarray(self.ends, float).tolist()
         return {
-            "kind": "polynomial",
-            "terms": "T_i(u) T_j(v), Chebyshev, j fastest; u, v from -1 at low to 1 at high",
-            "parameter": {"low": float(low), "high": float(high), "degree": self.parameter_degree},
-            "sun_zenith": {
-                "function": self.sun_function,
-                "low": float(first),
-                "high": float(last),
-                "degree": self.sun_degree,
-            },
+            "quantity": self.quantity,
+            "kind": "chebyshev",
+            "functions": "T_0(u), T_1(u), ... to the degree; u from -1 at low to 1 at high",
+            "of": self.function,
+            "low": low,
+            "high": high,
+            "degree": self.degree,
         }
 
-    def roughness(self):
-        """None: the degree bounds it."""
-        return np.zeros((self.num_terms, self.num_terms))
+    def constant(self):
+        """T₀ is 1."""
+        return np.eye(self.size)[0]
 
 
-class Nodes(AbstractBasis):
-    """Linear interpolation between nodes in the parameter and in the sun's zenith angle.
-
-    Term i n + j is 1 at node i of the parameter and node j of the n suns, and 0 at all others.
+class Tents(AbstractAxis):
+    """Linear interpolation: function k is 1 at node k and falls to 0 at its neighbours.
 
     Attributes:
-        parameter: Increasing; one node where nothing was swept.
-        sun_zenith: Increasing [rad].
+        quantity: name of the quantity.
+        nodes: increasing values of the quantity.
     """
 
-    parameter: Float[Array, " node"] = eqx.field(converter=as_float)
-    sun_zenith: Float[Array, " sun"] = eqx.field(converter=as_float)
+    quantity: str = eqx.field(static=True)
+    nodes: Float[Array, " node"] = eqx.field(converter=as_float)
 
     @property
-    def num_terms(self) -> int:
-        """One a node."""
-        return self.parameter.size * self.sun_zenith.size
+    def size(self):
+        """One function a node."""
+        return self.nodes.size
 
-    def terms(self, parameter, sun_zenith):
-        """Products of two tent functions."""
-        along_u = _tents(parameter, self.parameter.astype(parameter.dtype))
-        along_v = _tents(sun_zenith, self.sun_zenith.astype(sun_zenith.dtype))
-        return jnp.stack([a * b for a in along_u for b in along_v])
+    def functions(self, value):
+        """Tents."""
+        if self.nodes.size == 1:
+            return [jnp.ones_like(value)]
+        nodes = self.nodes.astype(value.dtype)
+        held = jnp.clip(value, nodes[0], nodes[-1])
+        found = []
+        for k in range(nodes.size):
+            sides = []
+            if k > 0:
+                sides.append((held - nodes[k - 1]) / (nodes[k] - nodes[k - 1]))
+            if k < nodes.size - 1:
+                sides.append((nodes[k + 1] - held) / (nodes[k + 1] - nodes[k]))
+            lower = sides[0] if len(sides) == 1 else jnp.minimum(*sides)
+            found.append(jnp.maximum(lower, 0.0))
+        return found
 
     def describe(self):
         """Where the nodes are."""
         return {
-            "kind": "nodes",
-            "terms": "linear between the nodes of the parameter and of the sun, suns fastest",
-            "parameter": np.asarray(self.parameter, float).tolist(),
-            "sun_zenith": np.asarray(self.sun_zenith, float).tolist(),
+            "quantity": self.quantity,
+            "kind": "tents",
+            "functions": "1 at a node, 0 at all others, linear between",
+            "nodes": np.asarray(self.nodes, float).tolist(),
         }
 
-    def roughness(self):
-        """Squared jumps of slope along both axes, in units of the mean step."""
-        rows = [_bends(np.asarray(x, float)) for x in (self.parameter, self.sun_zenith)]
-        across = np.kron(rows[0], np.eye(self.sun_zenith.size))
-        along = np.kron(np.eye(self.parameter.size), rows[1])
-        return across.T @ across + along.T @ along
+    def constant(self):
+        """Tents add up to 1."""
+        return np.ones(self.size)
+
+    def bends(self):
+        """Change of slope at each inner node, in units of the mean step."""
+        nodes = np.asarray(self.nodes, float)
+        if nodes.size < 3:
+            return super().bends()
+        step = np.diff(nodes) / np.mean(np.diff(nodes))
+        rows = np.zeros((nodes.size - 2, nodes.size))
+        for k in range(nodes.size - 2):
+            rows[k, k : k + 3] = (1 / step[k], -1 / step[k] - 1 / step[k + 1], 1 / step[k + 1])
+        return rows
 
 
-def basis_from(description: Mapping[str, Any]) -> AbstractBasis:
-    """The basis that `AbstractBasis.describe` described.
+class Line(AbstractAxis):
+    """The quantity itself and 1: numbers are slope and intercept, as Preetham et al. print them.
+
+    Attributes:
+        quantity: name of the quantity.
+        ends: values between which the quantity is held.
+    """
+
+    quantity: str = eqx.field(static=True)
+    ends: Float[Array, "2"] = eqx.field(converter=as_float)
+
+    @property
+    def size(self):
+        """Two."""
+        return 2
+
+    def functions(self, value):
+        """The quantity held between its ends, and 1."""
+        ends = self.ends.astype(value.dtype)
+        return [jnp.clip(value, ends[0], ends[1]), jnp.ones_like(value)]
+
+    def describe(self):
+        """The ends."""
+        low, high = np.asarray(self.ends, float).tolist()
+        return {
+            "quantity": self.quantity,
+            "kind": "line",
+            "functions": "the quantity, held from low to high, and 1",
+            "low": low,
+            "high": high,
+        }
+
+    def constant(self):
+        """No slope."""
+        return np.array([0.0, 1.0])
+
+
+class Basis(eqx.Module):
+    """Products of the functions of some axes; those of the last axis vary fastest.
+
+    Attributes:
+        axes: one for every quantity that matters.
+    """
+
+    axes: tuple[AbstractAxis, ...] = ()
+
+    @property
+    def num_terms(self) -> int:
+        """Number of terms, and of numbers that stand for one coefficient."""
+        return math.prod(axis.size for axis in self.axes)
+
+    def terms(self, at: Quantities) -> Float[Array, "term *batch"]:
+        """Value of every term.
+
+        Args:
+            at: every quantity by name, arrays of one rank; the sun must be among them.
+        """
+        found = [jnp.ones_like(at[SUN])] if not self.axes else [None]
+        for axis in self.axes:
+            rows = axis.functions(at[axis.quantity])
+            found = [row if term is None else term * row for term in found for row in rows]
+        return jnp.stack([jnp.asarray(term) for term in found])
+
+    def describe(self) -> list[dict[str, Any]]:
+        """Axes as names and numbers, for files."""
+        return [axis.describe() for axis in self.axes]
+
+    def constant(self) -> Float[np.ndarray, " term"]:
+        """Numbers whose sum is 1 everywhere."""
+        return reduce(np.kron, (axis.constant() for axis in self.axes), np.ones(1))
+
+    def bends(self) -> Float[np.ndarray, "bend term"]:
+        """Rows that give the kinks of a sum along every axis."""
+        tables = []
+        for k, axis in enumerate(self.axes):
+            parts = [np.eye(other.size) for other in self.axes]
+            parts[k] = axis.bends()
+            tables.append(reduce(np.kron, parts, np.ones((1, 1))))
+        return np.concatenate([np.zeros((1, self.num_terms)), *tables])
+
+
+def basis_from(description: list[Mapping[str, Any]]) -> Basis:
+    """The basis that `Basis.describe` described.
 
     Raises:
-        ValueError: A kind that is unknown.
+        ValueError: A kind of axis is unknown.
         KeyError: A number is missing.
     """
-    kind = description["kind"]
-    parameter, sun = description["parameter"], description["sun_zenith"]
-    if kind == "nodes":
-        return Nodes(parameter, sun)
-    if kind == "polynomial":
-        return Polynomial(
-            (parameter["low"], parameter["high"]),
-            (sun["low"], sun["high"]),
-            parameter["degree"],
-            sun["degree"],
-            sun["function"],
-        )
-    raise ValueError(f"expected a dependence of kind 'polynomial' or 'nodes'; got {kind!r}")
+    return Basis(tuple(map(_axis_from, description)))
 
 
-def _of_sun(sun_zenith, function):
-    if function == "cosine":
-        return jnp.cos(sun_zenith)
-    if function == "zenith angle":
-        return sun_zenith
-    return jnp.maximum(math.pi / 2 - sun_zenith, LEAST_ELEVATION) ** (1 / 3)
+def _axis_from(one: Mapping[str, Any]) -> AbstractAxis:
+    kind, quantity = one["kind"], one["quantity"]
+    if kind == "tents":
+        return Tents(quantity, one["nodes"])
+    if kind == "line":
+        return Line(quantity, (one["low"], one["high"]))
+    if kind == "chebyshev":
+        return Chebyshev(quantity, (one["low"], one["high"]), one["degree"], one["of"])
+    raise ValueError(f"expected an axis of kind 'chebyshev', 'tents' or 'line'; got {kind!r}")
 
 
-def _unit(value, ends):
-    """Put [low, high] on [-1, 1] and hold what is outside; 0 where the ends are the same."""
-    width = ends[1] - ends[0]
-    some = width != 0
-    share = (value - ends[0]) / jnp.where(some, width, 1.0)
-    return jnp.where(some, jnp.clip(2 * share - 1, -1.0, 1.0), 0.0)
-
-
-def _chebyshev(x, degree):
-    found = [jnp.ones_like(x), x]
-    while len(found) <= degree:
-        found.append(2 * x * found[-1] - found[-2])
-    return found[: degree + 1]
-
-
-def _tents(x, nodes):
-    if nodes.size == 1:
-        return [jnp.ones_like(x)]
-    held = jnp.clip(x, nodes[0], nodes[-1])
-    found = []
-    for k in range(nodes.size):
-        sides = []
-        if k > 0:
-            sides.append((held - nodes[k - 1]) / (nodes[k] - nodes[k - 1]))
-        if k < nodes.size - 1:
-            sides.append((nodes[k + 1] - held) / (nodes[k + 1] - nodes[k]))
-        lower = sides[0] if len(sides) == 1 else jnp.minimum(*sides)
-        found.append(jnp.maximum(lower, 0.0))
-    return found
-
-
-def _bends(nodes):
-    """Rows that give the change of slope at each inner node."""
-    if nodes.size < 3:
-        return np.zeros((1, nodes.size))
-    step = np.diff(nodes) / np.mean(np.diff(nodes))
-    rows = np.zeros((nodes.size - 2, nodes.size))
-    for k in range(nodes.size - 2):
-        rows[k, k : k + 3] = (1 / step[k], -1 / step[k] - 1 / step[k + 1], 1 / step[k + 1])
-    return rows
+def _function(value, name):
+    if name == "cosine":
+        return jnp.cos(value)
+    if name == "cube root of elevation":
+        return jnp.maximum(math.pi / 2 - value, LEAST_ELEVATION) ** (1 / 3)
+    return value

@@ -9,13 +9,6 @@ from typing import Literal
 import numpy as np
 
 from .._typing import ArrayLike, as_float, as_parameter, check
-from .distributions import (
-    SKY_TYPES,
-    Intermediate,
-    Overcast,
-    clear_distribution,
-    general_distribution,
-)
 from .levels import (
     ByIlluminance,
     ByZenith,
@@ -34,7 +27,14 @@ from .preetham import (
     published_zenith_chromaticity,
     warn_outside,
 )
-from .zenith import CubicZenith, TangentZenith
+from .scale import CubicZenith, TangentZenith
+from .standard_skies import (
+    SKY_TYPES,
+    Intermediate,
+    Overcast,
+    clear_distribution,
+    general_distribution,
+)
 
 
 FLAT_SPECTRUM = (1 / 3, 1 / 3)  # chromaticity of the overcast sky; Preetham et al. (1999), 5

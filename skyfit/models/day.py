@@ -16,7 +16,7 @@ from .._typing import ArrayLike, as_float
 from ..colour import xyY_to_xyz, xyz_to_rgb
 from ..sun import SunPosition, sun_position
 from .base import AbstractSkyModel
-from .perez import PerezSky
+from .formula import FormulaSky
 from .preetham import preetham_sky
 
 
@@ -31,7 +31,7 @@ class DaySky(AbstractSkyModel):
         sky: The published sky.
     """
 
-    sky: PerezSky
+    sky: FormulaSky
 
     @property
     def valid_range(self) -> dict[str, tuple[float, float]]:
@@ -41,8 +41,7 @@ class DaySky(AbstractSkyModel):
     @property
     def white(self) -> Float[Array, "..."]:
         """Luminance of the zenith under an overhead sun, which counts as 1 [cd m⁻²]."""
-        held = jnp.clip(self.sky.parameter, *self.sky.parameter_range)
-        return self.sky.zenith_luminance(held, jnp.zeros_like(held))
+        return self.sky.zenith(0.0)[..., 2]
 
     def xyY(
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike

@@ -33,28 +33,28 @@ class VectorView(NamedTuple):
         sun_zenith: [rad].
         gamma: Angle between view and sun [rad].
         cos_gamma: Its cosine.
-        parameter: The model's own, given the same rank.
+        swept: The model's parameters, given the same rank.
     """
 
     cos_view: Float[Array, "..."]
     sun_zenith: Float[Array, "..."]
     gamma: Float[Array, "..."]
     cos_gamma: Float[Array, "..."]
-    parameter: Float[Array, "..."]
+    swept: tuple[Float[Array, "..."], ...]
 
 
 def view_along(
     direction: Float[Array, "*#batch 3"],
     sun_direction: Float[Array, "*#batch 3"],
-    parameter: Float[Array, "..."],
+    swept: tuple[Float[Array, "..."], ...],
 ) -> VectorView:
-    """Angles of unit vectors, z up, and the parameter of a model laid beside them."""
-    *split, parameter = align(*components(direction), *components(sun_direction), parameter)
-    view, sun = tuple(split[:3]), tuple(split[3:])
+    """Angles of unit vectors, z up, and the parameters of a model laid beside them."""
+    split = align(*components(direction), *components(sun_direction), *swept)
+    view, sun, swept = split[:3], split[3:6], split[6:]
     up = jnp.zeros_like(sun[2])
     sun_zenith, _ = angle_between(sun, (up, up, up + 1))
     gamma, cos_gamma = angle_between(view, sun)
-    return VectorView(view[2], sun_zenith, gamma, cos_gamma, parameter)
+    return VectorView(view[2], sun_zenith, gamma, cos_gamma, swept)
 
 
 def combine(

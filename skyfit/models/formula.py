@@ -1,6 +1,6 @@
-"""A sky model of any shape, dependence and channels: what a ladder of formulas fits."""
+"""The sky model of every formula: distributions over the dome, a basis, and scales."""
 
-import math
+from collections.abc import Mapping
 from typing import Any
 
 import equinox as eqx
@@ -14,57 +14,56 @@ from ..angles import view_sun_angle
 from ..colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz, xyz_to_xyY
 from ..spectrum import linear_in_wavelength
 from .base import AbstractSkyModel
-from .basis import AbstractBasis
-from .directions import align, view_along
-from .shapes import AbstractShape
-from .twilight import TWILIGHT_DECAY
+from .basis import SUN, Basis
+from .directions import align, combine, in_pieces, view_along
+from .distribution import AbstractDistribution
+from .scale import AbstractScale
 
 
-CHANNEL_KINDS = {"Yxy": ("x", "y", "Y"), "XYZ": ("X", "Y", "Z"), "RGB": ("R", "G", "B")}
+CHANNELS = ("x", "y", "Y")  # in the order of `xyY`
+CHANNEL_KINDS = {"Yxy": CHANNELS, "XYZ": ("X", "Y", "Z"), "RGB": ("R", "G", "B")}
+_XYZ_FROM_TOTAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -1.0, 1.0))  # Z = total - X - Y
+
+Ranges = tuple[tuple[str, tuple[float, float]], ...]
 
 
 class FormulaSky(AbstractSkyModel):
-    """Channels that are each a scale times a shape, both depending on a parameter and the sun.
+    """Channels that are each a scale times a distribution, both depending on parameters and sun.
 
-    A channel's value is e^s F(θ, γ), or e^s F(θ, γ) / F(0, θₛ) where the shape is relative to the
-    zenith; s and the free numbers of F are sums of numbers times the terms of a basis. Parameter
-    and sun are held at the ends of their ranges. A sun lower than those of the range dims the sky
-    by a constant rate, and below the horizon by a decade for every 2.5°; chromaticities stay.
+    A channel's value is s F(θ, γ), or s F(θ, γ) / F(0, θₛ) where the distribution is relative to
+    the zenith. The scale s is that of `scale`. The coefficients of F are sums of numbers times the
+    terms of `basis`, or, where the formula is `linked`, links of such sums. Parameters are held at
+    the ends of their ranges; see `skyfit.models.base` for what is given below the horizon and at
+    night.
 
     Attributes:
-        parameter: Turbidity, or what else was swept; broadcasts against the angles.
-        numbers: Of the shape's coefficients in the terms of `basis`, for every channel.
-        scales: Of the logarithm of the scale, in the terms of `scale_basis`; cd m⁻², or
-            W m⁻² sr⁻¹ nm⁻¹ for spectral bands, or none for chromaticities.
-        dimming: How much the logarithm of a scale falls per radian of a sun lower than the range.
-        basis: Terms of the shape's coefficients.
-        scale_basis: Terms of the scales.
-        shape: Formula of the distribution over the dome.
-        wavelengths: Of spectral bands [nm]; None for the three channels of a colour.
+        swept: value of every swept parameter; each broadcasts against the angles.
+        numbers: numbers of the coefficients in the terms of `basis`, for every channel.
+        basis: terms of the coefficients.
+        linked: whether the sums are free numbers, whose links are the coefficients.
+        distribution: formula of the dome.
+        scale: factor of every channel.
         kind: "Yxy", "XYZ", "RGB" or "bands".
-        parameter_name: What the parameter is called; empty if nothing was swept.
-        parameter_range: Where the parameter is valid.
-        sun_zenith_range: Suns for which the model was made [rad].
+        wavelengths: wavelengths of spectral bands [nm]; None for the three channels of a colour.
+        ranges: name of every swept parameter, and where it is valid.
+        sun_zenith_range: suns for which the model was made [rad].
     """
 
-    parameter: Float[Array, "..."]
+    swept: dict[str, Float[Array, "..."]]
     numbers: Float[Array, "channel coefficient term"]
-    scales: Float[Array, "channel scale_term"]
-    dimming: Float[Array, " channel"]
-    basis: AbstractBasis
-    scale_basis: AbstractBasis
-    shape: AbstractShape
+    basis: Basis
+    distribution: AbstractDistribution
+    scale: AbstractScale
     wavelengths: Float[Array, " channel"] | None
+    linked: bool = eqx.field(static=True)
     kind: str = eqx.field(static=True)
-    parameter_name: str = eqx.field(static=True)
-    parameter_range: tuple[float, float] = eqx.field(static=True)
+    ranges: Ranges = eqx.field(static=True)
     sun_zenith_range: tuple[float, float] = eqx.field(static=True)
 
     @property
     def valid_range(self) -> dict[str, tuple[float, float]]:
-        """Range of the swept parameter, of the sun's zenith angle [rad], of the bands [nm]."""
-        swept = {self.parameter_name: self.parameter_range} if self.parameter_name else {}
-        valid = swept | {"sun_zenith": self.sun_zenith_range}
+        """Range of each swept parameter, of the sun's zenith angle [rad], of the bands [nm]."""
+        valid = dict(self.ranges) | {SUN: self.sun_zenith_range}
         if self.wavelengths is None:
             return valid
         bands = np.asarray(self.wavelengths)
@@ -75,7 +74,24 @@ class FormulaSky(AbstractSkyModel):
     ) -> Float[Array, "*batch channel"]:
         """Values of the fitted channels themselves; arguments as `xyY`."""
         angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
-        return _by_angles(self, *angles)
+        return _by_angles(self, *angles, over_zenith=False)
+
+    def relative(
+        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
+    ) -> Float[Array, "*batch channel"]:
+        """F(θ, γ) / F(0, θₛ) of every channel: each value over the zenith's. Arguments as `xyY`."""
+        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
+        return _by_angles(self, *angles, over_zenith=True)
+
+    def coefficients(self, sun_zenith: ArrayLike) -> Float[Array, "channel coefficient *batch"]:
+        """Coefficients of the distribution in every channel, at the model's parameters and suns."""
+        sun, *swept = align(as_float(sun_zenith), *self.swept.values())
+        return self._coefficients(self._held(swept) | {SUN: sun})
+
+    def zenith(self, sun_zenith: ArrayLike) -> Float[Array, "*batch channel"]:
+        """Value of every channel at the zenith."""
+        sun = as_float(sun_zenith)
+        return self.channels(sun, jnp.zeros_like(sun), jnp.zeros_like(sun))
 
     def xyY(
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
@@ -86,7 +102,8 @@ class FormulaSky(AbstractSkyModel):
 
     def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
         """CIE XYZ [cd m⁻²] for unit vectors, z up; see `AbstractSkyModel.xyz`."""
-        return self._tristimulus(_by_vectors(self, as_float(direction), as_float(sun_direction)))
+        values = _by_vectors(self, as_float(direction), as_float(sun_direction))
+        return values if self.kind == "Yxy" else self._tristimulus(values)
 
     def radiance(
         self,
@@ -112,52 +129,70 @@ class FormulaSky(AbstractSkyModel):
             return xyY_to_xyz(values)
         return rgb_to_xyz(values) if self.kind == "RGB" else values
 
-    def _values(self, parameter, sun_zenith, cos_view, gamma, cos_gamma):
-        """Every channel, on the last axis, in the precision of the angles."""
-        dtype = gamma.dtype
-        sky = jax.tree.map(lambda array: array.astype(dtype), self)
-        held = jnp.clip(parameter.astype(dtype), *self.parameter_range)
-        free = jnp.tensordot(sky.numbers, sky.basis.terms(held, sun_zenith), 1)
-        coefficients = jnp.moveaxis(sky.shape.coefficients(jnp.moveaxis(free, 1, 0)), 1, 0)
-        value = jax.vmap(sky.shape.value, in_axes=(0, None, None, None))
-        scale = jnp.exp(
-            jnp.tensordot(sky.scales, sky.scale_basis.terms(held, sun_zenith), 1)
-            - _times(sky.dimming, jnp.clip(sun_zenith, max=math.pi / 2), self.sun_zenith_range[1])
-            - _times(_decays(sky), sun_zenith, math.pi / 2)
-        )
-        if sky.shape.relative:
-            overhead = jnp.ones_like(sun_zenith)
-            scale = scale / value(coefficients, overhead, sun_zenith, jnp.cos(sun_zenith))
-        values = scale * value(coefficients, cos_view, gamma, cos_gamma)
-        return jnp.moveaxis(values, 0, -1)
+    def _held(self, swept) -> dict[str, Any]:
+        """Parameters by name, held in their ranges."""
+        valid = dict(self.ranges)
+        return {
+            name: jnp.clip(value, *valid[name])
+            for name, value in zip(self.swept, swept, strict=True)
+        }
+
+    def _coefficients(self, at: Mapping[str, Any]):
+        """Coefficients of every channel, on the first two axes."""
+        sums = jnp.tensordot(self.numbers, self.basis.terms(at), 1, precision="highest")
+        return jax.vmap(self.distribution.coefficients)(sums) if self.linked else sums
+
+    def _values(self, swept, sun, cos_view, gamma, cos_gamma, *, over_zenith=False):
+        """Every channel, on the first axis, in the precision of the angles."""
+        sky = jax.tree.map(lambda array: array.astype(gamma.dtype), self)
+        at = sky._held([value.astype(gamma.dtype) for value in swept]) | {SUN: sun}
+        table = sky._coefficients(at)
+        scale = jnp.ones((len(table), *table.shape[2:]), gamma.dtype)
+        scale = scale if over_zenith else sky.scale(at)
+        if sky.distribution.relative or over_zenith:
+            overhead = jnp.ones_like(sun), sun, jnp.cos(sun)
+            scale = scale / jnp.stack([sky.distribution.value(row, *overhead) for row in table])
+        if scale[0].size < gamma.size:
+            # What depends on the sun alone is made as one block by a division, which XLA then keeps
+            # out of the loop over directions: it does not repeat divisions.
+            shape = np.broadcast_shapes(scale.shape[1:], table.shape[2:])
+            table = jnp.broadcast_to(table, (*table.shape[:2], *shape))
+            scale = jnp.broadcast_to(scale, (len(scale), *shape))
+            rows = jnp.concatenate([scale[:, None], table], axis=1)
+            rows = rows / jnp.ones_like(rows)
+            scale, table = rows[:, 0], rows[:, 1:]
+        views = cos_view, gamma, cos_gamma
+        if len(table) <= 3:
+            pairs = zip(scale, table, strict=True)
+            return jnp.stack([k * sky.distribution.value(row, *views) for k, row in pairs])
+        values = jax.vmap(sky.distribution.value, in_axes=(0, None, None, None))(table, *views)
+        return scale * values
 
 
-def dims_at_night(kind: str) -> tuple[bool, ...]:
-    """Which channels of a kind fall with the light: all but chromaticities."""
-    return (False, False, True) if kind == "Yxy" else (True,)
-
-
-def _decays(sky: FormulaSky):
-    """How fast each channel's logarithm falls per radian of the sun's depression."""
-    fall = TWILIGHT_DECAY * jnp.array(dims_at_night(sky.kind)).astype(sky.dimming.dtype)
-    return jnp.broadcast_to(fall, sky.dimming.shape)
-
-
-def _times(rates, angle, beyond):
-    """A rate a channel, times how far an angle lies beyond another."""
-    excess = jnp.maximum(angle - beyond, 0.0)
-    return rates.reshape(-1, *(1,) * angle.ndim) * excess[None]
-
-
+# Compiled as one even where a caller compiles nothing: op by op the first call takes seconds.
 @eqx.filter_jit
-def _by_angles(sky, sun_zenith, view_zenith, relative_azimuth) -> Any:
-    angles = align(sun_zenith, view_zenith, relative_azimuth, sky.parameter)
-    sun, view, azimuth, parameter = angles
+def _by_angles(sky, sun_zenith, view_zenith, relative_azimuth, *, over_zenith) -> Any:
+    angles = align(sun_zenith, view_zenith, relative_azimuth, *sky.swept.values())
+    sun, view, azimuth, *swept = angles
     gamma = view_sun_angle(view, sun, azimuth)
-    return sky._values(parameter, sun, jnp.cos(view), gamma, jnp.cos(gamma))
+    places = swept, sun, jnp.cos(view), gamma, jnp.cos(gamma)
+    return jnp.moveaxis(sky._values(*places, over_zenith=over_zenith), 0, -1)
 
 
 @eqx.filter_jit
 def _by_vectors(sky, direction, sun_direction) -> Any:
-    cos_view, sun, gamma, cos_gamma, parameter = view_along(direction, sun_direction, sky.parameter)
-    return sky._values(parameter, sun, cos_view, gamma, cos_gamma)
+    """Channels of unit vectors, on the last axis; XYZ where they are x, y, Y."""
+    if sun_direction.ndim > 1 or any(value.ndim for value in sky.swept.values()):
+        return _vectors_at_once(sky, direction, sun_direction)
+    return in_pieces(lambda piece: _vectors_at_once(sky, piece, sun_direction), direction)
+
+
+def _vectors_at_once(sky, direction, sun_direction):
+    names = list(sky.swept)
+    at = view_along(direction, sun_direction, tuple(sky.swept[name] for name in names))
+    values = sky._values(at.swept, at.sun_zenith, at.cos_view, at.gamma, at.cos_gamma)
+    if sky.kind != "Yxy":
+        return jnp.moveaxis(values, 0, -1)
+    x, y, luminance = values
+    total = luminance / y
+    return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))

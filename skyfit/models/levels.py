@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .distributions import AbstractDistribution, Parameters, Sight, overhead
+from .scale import TangentZenith
+from .standard_skies import AbstractLuminanceForm, Parameters, Sight, overhead
 from .twilight import daytime_sun, dimming
-from .zenith import TangentZenith
 
 
 # Of the sum over the hemisphere: within 2e-4 for every type of the general sky.
@@ -24,7 +24,7 @@ class AbstractLevel(eqx.Module):
     @abc.abstractmethod
     def __call__(
         self,
-        distribution: AbstractDistribution,
+        distribution: AbstractLuminanceForm,
         sun_zenith: Float[Array, "..."],
         parameters: Parameters,
     ) -> Float[Array, "..."]:
@@ -52,7 +52,7 @@ class ByZenith(AbstractLevel):
 
     def __call__(
         self,
-        distribution: AbstractDistribution,
+        distribution: AbstractLuminanceForm,
         sun_zenith: Float[Array, "..."],
         parameters: Parameters,
     ) -> Float[Array, "..."]:
@@ -72,7 +72,7 @@ class ByIlluminance(AbstractLevel):
 
     def __call__(
         self,
-        distribution: AbstractDistribution,
+        distribution: AbstractLuminanceForm,
         sun_zenith: Float[Array, "..."],
         parameters: Parameters,
     ) -> Float[Array, "..."]:
@@ -83,7 +83,7 @@ class ByIlluminance(AbstractLevel):
 
 @eqx.filter_jit
 def on_the_ground(
-    distribution: AbstractDistribution, sun_zenith: Float[Array, "..."], parameters: Parameters
+    distribution: AbstractLuminanceForm, sun_zenith: Float[Array, "..."], parameters: Parameters
 ) -> Float[Array, "..."]:
     """Integral of a distribution times cos θ over the upper hemisphere."""
     # cos θ dω is half of d(cos²θ) dφ; the two halves of the sky are alike.

@@ -13,10 +13,10 @@ from ..angles import view_sun_angle
 from ..colour import D65_WHITE, xyY_to_xyz
 from .base import AbstractSkyModel
 from .directions import align, angle_between, components
-from .distributions import AbstractDistribution, Parameters, Sight
 from .levels import AbstractLevel
+from .scale import CubicZenith
+from .standard_skies import AbstractLuminanceForm, Parameters, Sight
 from .twilight import daytime_sun
-from .zenith import CubicZenith
 
 
 class AbstractChromaticity(eqx.Module):
@@ -80,7 +80,7 @@ class LuminanceSky(AbstractSkyModel):
     """
 
     parameters: dict[str, Float[Array, "..."]]
-    distribution: AbstractDistribution
+    distribution: AbstractLuminanceForm
     level: AbstractLevel
     chromaticity: AbstractChromaticity
     ranges: tuple[tuple[str, tuple[float, float]], ...] = eqx.field(static=True, default=())

@@ -1,28 +1,23 @@
-"""Perez's distribution over the sky, and the sky model made of three of them.
+"""Perez's distribution over the sky, in coordinates that stay finite where its coefficients do not.
 
 Sources: Perez, Seals & Michalsky (1993), "All-weather model for sky luminance distribution", Solar
 Energy 50(3); Preetham, Shirley & Smits (1999), equations 3 and 4.
 """
+
+import math
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._typing import ArrayLike, as_float
-from ..angles import view_sun_angle
-from .base import AbstractSkyModel
-from .directions import align, combine, in_pieces, view_along
-from .twilight import daytime_sun, dimming
-from .zenith import CubicZenith, TangentZenith
+from .distribution import AbstractDistribution
 
 
-CHANNELS = ("x", "y", "Y")  # in the order of `xyY`
 COEFFICIENTS = ("A", "B", "C", "D", "E")
 
 # At cos θ below this, e^{B/cos θ} is 0 in float64 for any B below -1e-6: the limit is exact there.
 LEAST_COSINE = 1e-9
-_XYZ_FROM_TOTAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -1.0, 1.0))  # Z = total - X - Y
 
 
 def perez(
@@ -46,127 +41,133 @@ def perez(
     return gradation * indicatrix
 
 
-class PerezSky(AbstractSkyModel):
-    """Perez distributions of x, y and Y, their coefficients linear in a swept parameter.
+class Perez(AbstractDistribution):
+    """(1 + A e^{B/cos θ}) (1 + C e^{Dγ} + E cos²γ): Perez, Seals & Michalsky (1993).
 
-    A value is the zenith's times F(θ, γ) / F(0, θₛ). See `skyfit.models.base` for what is given
-    below the horizon, at night and outside the valid range.
+    Two ways lead to infinite coefficients at a fit that hardly changes: C and E grow together while
+    the constant 1 in 1 + C e^{Dγ} + E cos²γ fades beside them, and A e^B tends to -1 while B tends
+    to 0, when the gradation becomes linear in 1/cos θ. Along both ways the slope of a factor at its
+    origin stays what it is, so the free coordinates are
+
+    - the slope of the gradation at the zenith, B·A e^B / (1 + A e^B), against 1/cos θ,
+    - ln of what is left of -B when a falling slope is taken away,
+    - the slope of the indicatrix at the sun, D·C / (1 + C), against γ,
+    - ln of what is left of -D when a falling slope is taken away,
+    - E / (1 + C).
+
+    For a falling slope k, what is left is q = -D - |k| and C = |k| / q. Bounds: q is between
+    `least` and 20 for both factors, so that B and D are below 0.
 
     Attributes:
-        parameter: Turbidity, or what else was swept; broadcasts against the angles.
-        coefficients: A to E as (slope, intercept) in the parameter, for x, y, Y.
-        zenith_x: Chromaticity of the zenith.
-        zenith_y: Chromaticity of the zenith.
-        zenith_luminance: Luminance of the zenith.
-        parameter_name: What the parameter is called; empty if nothing was swept.
-        parameter_range: Where the parameter is valid; it is held at the ends.
-        sun_zenith_range: Suns for which the model was made [rad].
+        least: lower bound of q. A fit that rests there says that C, or A, is not identified.
     """
 
-    parameter: Float[Array, "..."]
-    coefficients: Float[Array, "3 5 2"]
-    zenith_x: CubicZenith
-    zenith_y: CubicZenith
-    zenith_luminance: TangentZenith
-    parameter_name: str = eqx.field(static=True)
-    parameter_range: tuple[float, float] = eqx.field(static=True)
-    sun_zenith_range: tuple[float, float] = eqx.field(static=True)
+    name = "perez"
+    formula = "F = (1 + A e^(B/cos θ)) (1 + C e^(D γ) + E cos² γ)"
+    relative = True
+
+    least: float = eqx.field(static=True, default=1e-4)
 
     @property
-    def valid_range(self) -> dict[str, tuple[float, float]]:
-        """Range of the swept parameter and of the sun's zenith angle [rad]."""
-        swept = {self.parameter_name: self.parameter_range} if self.parameter_name else {}
-        return swept | {"sun_zenith": self.sun_zenith_range}
+    def names(self):
+        """A to E."""
+        return COEFFICIENTS
 
-    def xyY(
-        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
-    ) -> Float[Array, "*batch 3"]:
-        """Chromaticity x, y and luminance Y [cd m⁻²]; see `AbstractSkyModel.xyY`."""
-        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
-        return _xyY(self, *angles)
+    @property
+    def links(self):
+        """Rates B and D are negative."""
+        return ("identity", "-exp", "identity", "-exp", "identity")
 
-    def relative(
-        self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
-    ) -> Float[Array, "*batch 3"]:
-        """F(θ, γ) / F(0, θₛ) of x, y and Y: each value over the zenith's. Arguments as `xyY`."""
-        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
-        return _relative(self, *angles)
+    @property
+    def loosened(self):
+        """Words for what each free coordinate moves."""
+        return (
+            "A with B",
+            "A and B at a given slope near the zenith",
+            "C with D",
+            "C, D and E at a given slope near the sun",
+            "E",
+        )
 
-    def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
-        """CIE XYZ [cd m⁻²] for unit vectors, z up; see `AbstractSkyModel.xyz`."""
-        return _xyz(self, as_float(direction), as_float(sun_direction))
+    def value(self, coefficients, cos_view, gamma, cos_gamma):
+        """F(θ, γ)."""
+        return perez(coefficients, cos_view, gamma, cos_gamma)
 
-    def perez_coefficients(self) -> Float[Array, "3 5 *batch"]:
-        """A to E for x, y, Y at the model's parameter, held to its valid range."""
-        held = self._held()
-        slope, intercept = jnp.moveaxis(self.coefficients, -1, 0)
-        shape = (*slope.shape, *(1,) * held.ndim)
-        return slope.reshape(shape) * held[None, None] + intercept.reshape(shape)
+    def constrain(self, free):
+        """A to E from free coordinates."""
+        slope_a, log_b, slope_c, log_d, e = jnp.moveaxis(free, -1, 0)
+        bounds = math.log(self.least), math.log(_STEEPEST)
+        a, b = _exponential(slope_a, jnp.exp(_squash(log_b, *bounds)))
+        c, d = _exponential(slope_c, jnp.exp(_squash(log_d, *bounds)))
+        return jnp.stack([a * jnp.exp(-b), b, c, d, e * (1 + c)], axis=-1)
 
-    def _at(self, parameter) -> "PerezSky":
-        """The same sky at another parameter, in the precision of that."""
-        sky = jax.tree.map(lambda array: array.astype(parameter.dtype), self)
-        return eqx.tree_at(lambda s: s.parameter, sky, parameter)
+    def release(self, coefficients):
+        """Free coordinates from A to E."""
+        a, b, c, d, e = jnp.moveaxis(coefficients, -1, 0)
+        bounds = math.log(self.least), math.log(_STEEPEST)
+        slope_a, rest_b = _slope(a * jnp.exp(b), b)
+        slope_c, rest_d = _slope(c, d)
+        free = [
+            slope_a,
+            _stretch(jnp.log(rest_b), *bounds),
+            slope_c,
+            _stretch(jnp.log(rest_d), *bounds),
+            e / (1 + c),
+        ]
+        return jnp.stack(free, axis=-1)
 
-    def _held(self):
-        return jnp.clip(self.parameter, *self.parameter_range)
+    def starts(self, channel):
+        """Coefficients to start from: a cold start, then what covers the local minima.
 
-    def _distributions(self, cos_view, gamma, cos_gamma):
-        """F of each channel, in the shape the arguments broadcast to."""
-        return [perez(row, cos_view, gamma, cos_gamma) for row in self.perez_coefficients()]
-
-    def _overhead(self, sun_zenith):
-        """F(0, θₛ) of each channel, on the first axis."""
-        overhead = jnp.ones_like(sun_zenith)
-        return jnp.stack(self._distributions(overhead, sun_zenith, jnp.cos(sun_zenith)))
-
-    def _zenith(self, sun_zenith):
-        """x, y and Y of the zenith, on the first axis."""
-        held, day = self._held(), daytime_sun(sun_zenith)
-        luminance = dimming(sun_zenith) * jnp.maximum(self.zenith_luminance(held, day), 0.0)
-        return jnp.stack([self.zenith_x(held, day), self.zenith_y(held, day), luminance])
-
-
-# Compiled as one even where a caller compiles nothing: op by op the first call takes seconds.
-@eqx.filter_jit
-def _xyY(sky, sun_zenith, view_zenith, relative_azimuth):
-    sky, sun, cos_view, gamma = _geometry(sky, sun_zenith, view_zenith, relative_azimuth)
-    scales = sky._zenith(sun) / sky._overhead(sun)
-    values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
-    return jnp.stack([k * f for k, f in zip(scales, values, strict=True)], axis=-1)
-
-
-@eqx.filter_jit
-def _relative(sky, sun_zenith, view_zenith, relative_azimuth):
-    sky, sun, cos_view, gamma = _geometry(sky, sun_zenith, view_zenith, relative_azimuth)
-    values = sky._distributions(cos_view, gamma, jnp.cos(gamma))
-    return jnp.stack([f / f0 for f, f0 in zip(values, sky._overhead(sun), strict=True)], axis=-1)
-
-
-def _geometry(sky, sun_zenith, view_zenith, relative_azimuth):
-    angles = align(sun_zenith, view_zenith, relative_azimuth, sky.parameter)
-    sun, view, azimuth, parameter = angles
-    gamma = view_sun_angle(view, sun, azimuth)
-    return sky._at(parameter.astype(gamma.dtype)), sun, jnp.cos(view), gamma
+        The first is the start of joint fits and the prior's centre. From the next three a fit to a
+        single sky all but always reaches its lowest minimum: a wide and a very narrow aureole, and
+        the limits of large C and steep B.
+        """
+        if channel in ("x", "y"):
+            return (
+                (-0.3, -0.2, 0.2, -1.2, 0.04),
+                (-0.3, -0.2, 5.0, -0.05, 0.3),
+                (-0.35, -0.4, 0.15, -17.0, 0.12),
+                (-0.3, -0.3, 1000.0, -0.25, -80.0),
+                (-0.25, -0.25, 1.0, -0.1, 0.08),
+                (-0.3, -0.2, 0.02, -3.5, 0.08),
+            )
+        return (
+            (-1.0, -0.32, 10.0, -3.0, 0.45),
+            (-1.2, -0.3, 50.0, -2.2, 0.0),
+            (5.0, -0.3, 10.0, -2.2, 1.0),
+            (-50.0, -4.5, 14.0, -2.7, -1.5),
+            (-1.0, -0.3, 1000.0, -2.4, -50.0),
+            (-4405.0, -10.0, 6.0, -1.6, 0.3),
+        )
 
 
-@eqx.filter_jit
-def _xyz(sky, direction, sun_direction):
-    if sun_direction.ndim > 1 or sky.parameter.ndim > 0:
-        return _xyz_at_once(sky, direction, sun_direction)
-    return in_pieces(lambda piece: _xyz_at_once(sky, piece, sun_direction), direction)
+_STEEPEST = 20.0
 
 
-def _xyz_at_once(sky, direction, sun_direction):
-    cos_view, sun, gamma, cos_gamma, parameter = view_along(direction, sun_direction, sky.parameter)
-    sky = sky._at(parameter.astype(gamma.dtype))
-    zenith, overhead = sky._zenith(sun), sky._overhead(sun)
-    table = jnp.broadcast_to(sky.perez_coefficients(), (3, 5, *zenith.shape[1:]))
-    # What depends on the sun alone is divided as one block, which XLA then keeps out of the loop
-    # over directions: it does not repeat divisions.
-    rows = jnp.concatenate([zenith[:, None], table], axis=1) / jnp.concatenate(
-        [overhead[:, None], jnp.ones_like(table)], axis=1
-    )
-    x, y, luminance = (row[0] * perez(row[1:], cos_view, gamma, cos_gamma) for row in rows)
-    total = luminance / y
-    return combine(_XYZ_FROM_TOTAL, jnp.stack([total * x, luminance, total]))
+def _exponential(slope, rest):
+    """Weight w and rate r of (1 + w e^{r s}) / (1 + w), whose slope at s = 0 is given."""
+    rate = -(rest + _falling(slope))
+    share = slope / rate
+    return share / (1 - share), rate
+
+
+def _slope(weight, rate):
+    """Inverse of `_exponential`."""
+    slope = rate * weight / (1 + weight)
+    return slope, -rate - _falling(slope)
+
+
+def _falling(slope):
+    """How much a slope falls, 0 if it rises; smooth, and never less."""
+    return 0.5 * (jnp.sqrt(slope**2 + 1e-8) - slope)
+
+
+def _squash(free, low, high):
+    """Map the real line onto (low, high), leaving what is well inside where it is."""
+    return low + jax.nn.softplus(free - low) - jax.nn.softplus(free - high)
+
+
+def _stretch(value, low, high):
+    """Inverse of `_squash`."""
+    return low + jnp.log(jnp.expm1(value - low)) - jnp.log(-jnp.expm1(value - high))

@@ -6,8 +6,10 @@ import numpy as np
 
 from .._typing import ArrayLike, as_float, check, is_traced
 from ..tables import read_table
-from .perez import CHANNELS, COEFFICIENTS, PerezSky
-from .zenith import CubicZenith, TangentZenith
+from .basis import Basis, Line
+from .formula import CHANNELS, FormulaSky
+from .perez import COEFFICIENTS, Perez
+from .scale import CubicZenith, PaperZenith, TangentZenith
 
 
 # The luminance formula has a pole near T = 1.64, where 1 + A e^B = 0; 10 is an overcast-like haze.
@@ -37,7 +39,7 @@ def published_zenith_chromaticity() -> np.ndarray:
     return np.stack([rows[channel == name] for name in CHANNELS[:2]])
 
 
-def preetham_sky(turbidity: ArrayLike) -> PerezSky:
+def preetham_sky(turbidity: ArrayLike) -> FormulaSky:
     """The published sky model at a turbidity.
 
     Made from simulations for T = 2 to 6; used here from 1.9 to 10. Outside, T is held at the
@@ -56,14 +58,21 @@ def preetham_sky(turbidity: ArrayLike) -> PerezSky:
     value = check(value, lambda v: ~(v >= 1), "preetham_sky(turbidity=...) must be 1 or more")
     warn_outside(value, TURBIDITY_RANGE, "preetham_sky(turbidity=...)")
     zenith_x, zenith_y = published_zenith_chromaticity()
-    return PerezSky(
-        parameter=value,
-        coefficients=as_float(published_coefficients()),
-        zenith_x=CubicZenith(as_float(zenith_x)),
-        zenith_y=CubicZenith(as_float(zenith_y)),
-        zenith_luminance=TangentZenith(as_float(ZENITH_LUMINANCE), as_float(ZENITH_ANGLE)),
-        parameter_name="turbidity",
-        parameter_range=TURBIDITY_RANGE,
+    return FormulaSky(
+        swept={"turbidity": value},
+        numbers=as_float(published_coefficients()),
+        basis=Basis((Line("turbidity", TURBIDITY_RANGE),)),
+        distribution=Perez(),
+        scale=PaperZenith(
+            CubicZenith(as_float(zenith_x)),
+            CubicZenith(as_float(zenith_y)),
+            TangentZenith(as_float(ZENITH_LUMINANCE), as_float(ZENITH_ANGLE)),
+            "turbidity",
+        ),
+        wavelengths=None,
+        linked=False,
+        kind="Yxy",
+        ranges=(("turbidity", TURBIDITY_RANGE),),
         sun_zenith_range=(0.0, np.pi / 2),
     )
 

@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..fitting import SkyFit
-from ..models.perez import CHANNELS as MODEL_CHANNELS, COEFFICIENTS
+from ..models.formula import CHANNELS as MODEL_CHANNELS
+from ..models.perez import COEFFICIENTS
 from ..models.preetham import published_coefficients
 from . import style
 

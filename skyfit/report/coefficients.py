@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from ..fitting import SkyFit
-from ..models.perez import CHANNELS as MODEL_CHANNELS, COEFFICIENTS
+from ..models.formula import CHANNELS as MODEL_CHANNELS
+from ..models.perez import COEFFICIENTS, Perez
 from ..models.preetham import (
     ZENITH_ANGLE,
     ZENITH_LUMINANCE,
@@ -16,6 +17,16 @@ from ..models.preetham import (
 
 CHANNELS = ("Y", "x", "y")
 PARTS = ("slope", "intercept")
+
+
+def has_published_form(fit: SkyFit) -> bool:
+    """Whether a fit has Perez's A to E of x, y and Y by slope and intercept in one parameter."""
+    return (
+        fit.distribution.name == Perez.name
+        and not fit.linked
+        and fit.kind == "Yxy"
+        and len(fit.swept) <= 1
+    )
 
 
 def coefficient_table(fit: SkyFit) -> dict[str, dict[str, dict[str, dict[str, float | None]]]]:

@@ -11,7 +11,8 @@ import xarray as xr
 
 from ..campaign import Campaign
 from ..dataset import save_dataset, versions
-from ..fitting import SkyFit, fit_sky, recovery_error, shape_error
+from ..fitting import SkyFit, fit_sky
+from ..judging import recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
 from ..plots.skies import modelled

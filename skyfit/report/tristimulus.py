@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 
 from .._typing import as_float
-from ..fitting import SkyFit, fit_sky, shape_error
+from ..fitting import SkyFit, fit_sky
+from ..judging import shape_error
 
 
 def tristimulus_comparison(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[str, float]]:

@@ -16,14 +16,14 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
-
-from skyfit.campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
-from skyfit.dataset import load_dataset
 from skyfit.fitting.distribution import PerezDistribution
 from skyfit.fitting.groups import FitSettings, fit_groups
 from skyfit.fitting.shape import solve_shapes
-from skyfit.fitting.skies import read_skies
 from skyfit.fitting.starts import solve_from_starts
+
+from skyfit.campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
+from skyfit.dataset import load_dataset
+from skyfit.fitting.skies import read_skies
 from skyfit.models import preetham_sky
 from skyfit.models.perez import CHANNELS
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .skies import Skies
+from ..fitting.skies import Skies
 
 
 Values = Mapping[str, Float[np.ndarray, "sky direction"]]
@@ -17,19 +17,20 @@ class Misfit:
     """How far one quantity is off over directions, suns and values of the parameter.
 
     Attributes:
-        rms: Root mean square over all skies and directions judged.
-        worst: Largest absolute error.
-        worst_at: Sun and view [rad], and the swept parameter, of that.
-        by_sun: Root mean square at every sun judged, highest first, with its zenith angle [rad].
-        by_parameter: The same at every value of the parameter.
-        relative_rms: Root mean square relative error.
+        rms: root mean square error over all skies and directions judged.
+        worst: largest absolute error.
+        worst_at: sun and view [rad], and the swept parameters, of that.
+        by_sun: root mean square error at every sun judged, highest first, with its zenith angle
+            [rad].
+        by_parameter: root mean square error at every value of each swept parameter.
+        relative_rms: root mean square relative error.
     """
 
     rms: float
     worst: float
     worst_at: dict[str, float]
     by_sun: tuple[tuple[float, float], ...]
-    by_parameter: tuple[tuple[float, float], ...]
+    by_parameter: dict[str, tuple[tuple[float, float], ...]]
     relative_rms: float
 
 
@@ -68,7 +69,7 @@ def _misfit(parts, truth, is_light, inside, skies: Skies) -> Misfit:
     relative = difference / truth[sky]
     error = relative if is_light else difference
     i, j = np.unravel_index(np.nanargmax(np.abs(error)), error.shape)
-    place = {skies.parameter_name: float(skies.parameter[sky[i]])} if skies.parameter_name else {}
+    place = {name: float(values[sky[i]]) for name, values in skies.swept.items()}
 
     def along(axis):
         values = axis[sky].round(9)
@@ -87,6 +88,6 @@ def _misfit(parts, truth, is_light, inside, skies: Skies) -> Misfit:
             "relative_azimuth": float(skies.relative_azimuth[sky[i], j]),
         },
         by_sun=along(skies.sun_zenith),
-        by_parameter=along(skies.parameter) if skies.parameter_name else (),
+        by_parameter={name: along(values) for name, values in skies.swept.items()},
         relative_rms=float(np.sqrt(np.nanmean(relative**2))),
     )

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from ..models.perez import CHANNELS
-from .document import plain
-from .groups import FitSettings, fit_groups
-from .shape import ShapeProblem
-from .skies import read_skies
-from .sky_fit import evaluate, read_joint
+from .._typing import as_float
+from ..fitting.batch import evaluate, fit_groups
+from ..fitting.choices import FitSettings
+from ..fitting.document import plain
+from ..fitting.fit import PUBLISHED, fit_formula
+from ..fitting.problem import FitProblem
+from ..fitting.skies import read_skies
+from ..models.formula import CHANNELS
 
 
 if TYPE_CHECKING:
@@ -58,21 +60,22 @@ def compare_weights(data: "xr.Dataset") -> dict[str, Weighting]:
         direction by its share of the dome).
     """
     skies = read_skies(data, "compare_weights")
-    fits = {name: fit_groups(skies, settings, "all") for name, settings in CHOICES.items()}
+    fits = {name: fit_groups(skies, PUBLISHED, settings) for name, settings in CHOICES.items()}
     found = {}
-    for name, fit in fits.items():
-        lines, errors, _ = read_joint(fit, skies)
-        rms = {other: _rms(fit.nodes[:, 0], fits[other].problem) for other in fits}
+    for name, settings in CHOICES.items():
+        numbers = fits[name].numbers[:, 0]
+        rms = {other: _rms(numbers, fits[other].problem) for other in fits}
         by_channel = {
             channel: {other: float(values[k]) for other, values in rms.items()}
             for k, channel in enumerate(CHANNELS)
         }
-        found[name] = Weighting(lines, errors, by_channel)
+        fit = fit_formula(skies, PUBLISHED, settings)
+        found[name] = Weighting(fit.coefficients, fit.standard_errors, by_channel)
     return found
 
 
-def _rms(nodes, problem: ShapeProblem) -> Float[np.ndarray, " channel"]:
-    residual, _ = evaluate(nodes, problem)
+def _rms(numbers, problem: FitProblem) -> Float[np.ndarray, " channel"]:
+    residual, _ = evaluate(as_float(numbers), problem)
     weight = np.asarray(problem.weight, float)
     total = np.asarray(residual, float) ** 2
     return np.sqrt(total.sum((1, 2)) / np.count_nonzero(weight, axis=(1, 2)))

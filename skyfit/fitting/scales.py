@@ -1,18 +1,99 @@
-"""Fits of the zenith's luminance and chromaticity over the sun and the swept parameter."""
+"""Fits of a formula's scale: the paper's zenith formulas, or the logarithm of any other."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._typing import as_float
+from ..models.basis import SUN
+from ..models.formula import CHANNELS
 from ..models.preetham import ZENITH_ANGLE
-from .diagnostics import covariance
+from ..models.scale import AbstractScale, CubicZenith, LogScale, PaperZenith, TangentZenith
+from .batch import fit_logarithm, means, scale_terms
+from .choices import SCALE, FitSettings, Formula
+from .diagnostics import spectrum, variance
+from .skies import Skies
 from .solver import NormalEquationsLM
+
+
+def fit_scale(
+    skies: Skies,
+    formula: Formula,
+    settings: FitSettings,
+    values: Float[np.ndarray, "channel sky"],
+    use: Bool[np.ndarray, " sky"],
+) -> tuple[AbstractScale, dict[str, dict[str, Any]], dict[str, float]]:
+    """Fit the scale of a formula whose distribution is known.
+
+    Args:
+        skies: skies that were fitted.
+        formula: distribution and dependence.
+        settings: weights of directions.
+        values: scale of each sky with which its distribution fits best.
+        use: skies in use.
+
+    Returns:
+        The scale, the standard errors of its numbers where they are known, and the relative RMS by
+        channel.
+    """
+    if formula.has_paper_zenith(skies):
+        return _paper_zenith(skies, values if skies.zenith is None else skies.zenith)
+    if not formula.distribution.relative:
+        weight = skies.weights(settings.weights, settings.max_view_zenith)
+        above = skies.view_zenith <= np.pi / 2 + 1e-6
+        weight = np.where(weight > 0, weight, formula.distribution.horizon_weight * above)
+        values = means(skies, weight)
+    along = scale_terms(skies, use)[use]
+    rows = [fit_logarithm(along, value[use]) for value in values]
+    rms = [
+        float(np.sqrt(np.mean((np.log(value[use]) - along @ row) ** 2)))
+        for value, row in zip(values, rows, strict=True)
+    ]
+    night = tuple(name not in ("x", "y") for name in skies.channels)
+    seen = skies.subset(use)
+    scale = LogScale(
+        numbers=as_float(np.stack(rows)),
+        basis=SCALE.basis(seen),
+        dimming=as_float(np.zeros(len(rows))),
+        lowest_sun=seen.sun_zenith_range[1],
+        night=night,
+    )
+    dimming = _dimming(scale, seen)
+    scale = LogScale(scale.numbers, scale.basis, dimming, scale.lowest_sun, night)
+    return scale, {}, dict(zip(skies.channels, rms, strict=True))
+
+
+def _dimming(scale: LogScale, skies: Skies):
+    """How channels fall over the last degree of the suns, in the middle of every parameter."""
+    first, last = skies.sun_zenith_range
+    if last - first < np.radians(1.0):
+        return scale.dimming
+    at = {name: as_float(np.full(2, np.mean(ends))) for name, ends in skies.ranges.items()}
+    at[SUN] = as_float(last - np.radians([1.0, 0.0]))
+    before, after = np.moveaxis(np.log(np.asarray(scale(at), float)), -1, 0)
+    return as_float(np.maximum(before - after, 0.0) / np.radians(1.0) * np.array(scale.night))
+
+
+def _paper_zenith(skies: Skies, values: Float[np.ndarray, "channel sky"]):
+    """Fits of the zenith values: the skies' own, or those that their shapes imply."""
+    name = next(iter(skies.swept), "")
+    parameter = skies.swept[name] if name else np.zeros(skies.count)
+    fits = {}
+    for channel, value in zip(CHANNELS, values, strict=True):
+        fit = fit_zenith_luminance if channel == "Y" else fit_zenith_chromaticity
+        fits[channel] = fit(parameter, skies.sun_zenith, value)
+    x, y = (CubicZenith(as_float(fits[c].numbers["matrix"])) for c in "xy")
+    linear, angle = (as_float(fits["Y"].numbers[part]) for part in ("linear", "angle"))
+    return (
+        PaperZenith(x, y, TangentZenith(linear, angle), name),
+        {channel: fit.standard_errors for channel, fit in fits.items()},
+        {channel: fit.rms for channel, fit in fits.items()},
+    )
 
 
 class ZenithFit(NamedTuple):
@@ -87,7 +168,7 @@ def fit_zenith_luminance(
 
     fitted = np.asarray(numbers(as_float(free)), float)
     change = np.asarray(jax.jacfwd(numbers)(as_float(free)), float)
-    spread = np.sqrt(np.einsum("ijk,kl,ijl->ij", change, covariance(jacobian, residual), change))
+    spread = np.sqrt(np.einsum("ijk,kl,ijl->ij", change, _covariance(jacobian, residual), change))
     return ZenithFit(*map(_tangent_numbers, (fitted, spread)), rms=_rms(residual))
 
 
@@ -128,8 +209,14 @@ def _linear(terms, target):
     length = np.linalg.norm(terms, axis=0)
     solution, *_ = np.linalg.lstsq(terms / length, target)
     residual = terms @ (solution / length) - target
-    return solution / length, np.sqrt(np.diag(covariance(terms, residual))), residual
+    return solution / length, np.sqrt(np.diag(_covariance(terms, residual))), residual
 
 
 def _rms(residual):
     return float(np.sqrt(np.mean(residual**2)))
+
+
+def _covariance(jacobian, residual):
+    """Covariance of least-squares parameters, as if residuals were independent."""
+    noise = variance(residual, jacobian.shape[1])
+    return noise * spectrum(jacobian.T @ jacobian).covariance()

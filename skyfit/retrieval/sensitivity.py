@@ -21,12 +21,15 @@ from .._typing import ArrayLike, as_float, as_parameter, as_scalar, check
 from ..atmosphere import Atmosphere
 from ..campaign import PAPER_SUN_ZENITHS_DEG, paper_directions
 from ..colour import spectrum_to_xyY
-from ..models.perez import CHANNELS
+from ..fitting.batch import fit_groups
+from ..fitting.choices import FitSettings
+from ..fitting.fit import PUBLISHED
+from ..fitting.lanes import least_norm
+from ..fitting.problem import FitProblem, objective
+from ..fitting.skies import ZENITH, Skies, zenith_values
+from ..models.formula import CHANNELS
 from ..transfer.quality import Quality
 from ..transfer.simulate_sky import simulate
-from .groups import FitSettings, fit_groups
-from .shape import ShapeProblem, least_norm, objective
-from .skies import ZENITH, Skies, zenith_values
 
 
 _NEWTON_STEPS = 8
@@ -179,8 +182,7 @@ def _fit(views: _Views, values: Float[np.ndarray, "channel sky direction"]):
     grid = (sun.size, view.size)
     view, azimuth = np.broadcast_to(view, grid), np.broadcast_to(azimuth, grid)
     skies = Skies(
-        parameter_name=None,
-        parameter=np.zeros(sun.shape),
+        swept={},
         sun_zenith=sun,
         view_zenith=view,
         relative_azimuth=azimuth,
@@ -188,13 +190,13 @@ def _fit(views: _Views, values: Float[np.ndarray, "channel sky direction"]):
         zenith=zenith_values(view, values),
         shape=sun.shape,
     )
-    fit = fit_groups(skies, FitSettings(), "parameter")
+    fit = fit_groups(skies, PUBLISHED, FitSettings())
     return fit.problem, as_float(np.asarray(fit.solution.free))
 
 
 @eqx.filter_jit
 def _at_optimum(
-    problem: ShapeProblem,
+    problem: FitProblem,
     start: Float[Array, "channel free"],
     changes: Float[Array, "quantity channel sky direction"],
 ) -> tuple[
@@ -211,8 +213,7 @@ def _at_optimum(
         found = optx.root_find(
             _gradient, newton, start, problem, max_steps=_NEWTON_STEPS, adjoint=adjoint, throw=False
         )
-        nodes = problem.distribution.constrain(problem.per_node(found.value))
-        return nodes[0], found.result == optx.RESULTS.successful
+        return problem.numbers(found.value)[0], found.result == optx.RESULTS.successful
 
     def coefficients(target):
         return jax.vmap(one)(eqx.tree_at(lambda p: p.target, problem, target), start)
@@ -224,7 +225,7 @@ def _at_optimum(
     return nodes, slopes, converged
 
 
-def _gradient(free: Float[Array, " free"], problem: ShapeProblem) -> Float[Array, " free"]:
+def _gradient(free: Float[Array, " free"], problem: FitProblem) -> Float[Array, " free"]:
     return jax.grad(lambda free: 0.5 * jnp.sum(objective(free, problem) ** 2))(free)
 
 

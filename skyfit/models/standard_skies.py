@@ -46,7 +46,7 @@ def overhead(sun_zenith: Float[Array, "..."]) -> Sight:
     return Sight(flat, flat + 1, sun_zenith, jnp.cos(sun_zenith), sun_zenith)
 
 
-class AbstractDistribution(eqx.Module):
+class AbstractLuminanceForm(eqx.Module):
     """Relative luminance over the sky."""
 
     @abc.abstractmethod
@@ -59,7 +59,7 @@ class AbstractDistribution(eqx.Module):
         """
 
 
-class PerezForm(AbstractDistribution):
+class PerezForm(AbstractLuminanceForm):
     """(1 + A e^{B / cos θ}) (1 + C e^{D γ} + E cos²γ): Kittler's form, and Perez's.
 
     Attributes:
@@ -73,7 +73,7 @@ class PerezForm(AbstractDistribution):
         return perez(self.coefficients, sight.cos_view, sight.gamma, sight.cos_gamma)
 
 
-class Overcast(AbstractDistribution):
+class Overcast(AbstractLuminanceForm):
     """(1 + 2 cos θ) / 3, by Moon & Spencer (1942); Preetham et al. (1999), equation 2."""
 
     def __call__(self, sight: Sight, parameters: Parameters) -> Float[Array, "..."]:
@@ -81,7 +81,7 @@ class Overcast(AbstractDistribution):
         return (1 + 2 * sight.cos_view) / 3 + 0 * sight.gamma
 
 
-class Intermediate(AbstractDistribution):
+class Intermediate(AbstractLuminanceForm):
     """The CIE's intermediate sky, after Nakamura, Oki & Hayashi (1985); CIE 110-1994.
 
     [1.35 (sin(3.59 α - 0.009) + 2.31) sin(2.6 h + 0.316) + α + 4.799] / 2.326

@@ -13,18 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..models.perez import CHANNELS
-from ..models.shapes import AbstractShape
-from .channels import Channels, read_channels
-from .choices import Dependence, chosen_dependence, chosen_shape
-from .formula_fit import fit_formula
-from .formula_record import FormulaFit
-from .groups import MAX_VIEW_ZENITH, FitSettings
+from ..fitting import Dependence, Positivity, SkyFit
+from ..fitting.channels import Channels, read_channels
+from ..fitting.choices import MAX_VIEW_ZENITH, FitSettings, chosen_formula
+from ..fitting.fit import fit_formula
+from ..fitting.skies import Skies, read_skies
+from ..models.distribution import AbstractDistribution
+from ..models.domes import DISTRIBUTIONS
+from ..models.formula import CHANNELS
 from .misfit import Misfit, misfits
-from .positivity import Positivity
-from .record import SkyFit
-from .skies import Skies, read_skies
-from .sky_fit import fit_published
 
 
 if TYPE_CHECKING:
@@ -32,7 +29,6 @@ if TYPE_CHECKING:
 
 
 FOLDS = 3
-Fit = SkyFit | FormulaFit
 
 
 @dataclass(frozen=True)
@@ -69,7 +65,7 @@ def ladder(
     data: "xr.Dataset",
     *,
     held_out: "xr.Dataset | None" = None,
-    distributions: Sequence[str | AbstractShape] = ("perez", "cie", "hosek-wilkie", "series"),
+    distributions: Sequence[str | AbstractDistribution] = tuple(DISTRIBUTIONS),
     dependences: Sequence[str | Dependence] = ("linear", "polynomial", "nodes"),
     channels: Sequence[Channels] = ("Yxy", "XYZ"),
     weights: str = "equal",
@@ -101,31 +97,35 @@ def ladder(
     _same_kind(skies, judged)
     folds = list(leave_out(skies)) if held_out is None else []
     plan = [
-        (chosen_shape(distribution), chosen_dependence(dependence), kind)
+        (chosen_formula(distribution, dependence, "ladder"), kind)
         for kind in channels
         for distribution in distributions
         for dependence in dependences
     ]
     rungs = []
-    for done, (shape, dependence, kind) in enumerate(plan):
+    for done, (formula, kind) in enumerate(plan):
+        name, dependence = formula.distribution.name, formula.dependence.describe()
         if progress:
-            progress(f"{shape.name} {dependence.describe()} {kind}", done, len(plan))
+            progress(f"{name} {dependence} {kind}", done, len(plan))
         table = read_channels(data, kind, "ladder")
         start = time.perf_counter()
-        fit = _fit(table, settings, shape, dependence)
+        fit = fit_formula(table, formula, settings)
         seconds = time.perf_counter() - start
-        everywhere = np.ones(skies.parameter.size, bool)
+        everywhere = np.ones(skies.count, bool)
         if held_out is None:
-            away = _cross_validated(fit, table, settings, shape, dependence, folds)
+            away = [
+                (_evaluate(fit_formula(table, formula, settings, use=~out, start=fit), table), out)
+                for out in folds
+            ]
         else:
-            away = [(_evaluate(fit, judged), np.ones(judged.parameter.size, bool))]
+            away = [(_evaluate(fit, judged), np.ones(judged.count, bool))]
         truth = table if held_out is None else read_channels(held_out, kind, "ladder")
         rungs.append(
             Rung(
-                shape.name,
-                dependence.describe(),
+                name,
+                dependence,
                 table.kind,
-                _count(fit),
+                fit.num_numbers,
                 misfits([(_evaluate(fit, skies), everywhere)], skies, table, max_view_zenith),
                 misfits(away, judged, truth, max_view_zenith),
                 fit.positivity,
@@ -141,7 +141,8 @@ def leave_out(skies: Skies) -> Iterator[Bool[np.ndarray, " sky"]]:
     Raises:
         ValueError: There are no inner ones.
     """
-    axes = [np.unique(axis.round(9))[1:-1] for axis in (skies.parameter, skies.sun_zenith)]
+    quantities = list(skies.quantities.values())
+    axes = [np.unique(values.round(9))[1:-1] for values in quantities]
     if not any(axis.size for axis in axes):
         raise ValueError(
             "ladder(data=...): nothing to leave out; expected three or more suns, or values of "
@@ -150,36 +151,20 @@ def leave_out(skies: Skies) -> Iterator[Bool[np.ndarray, " sky"]]:
     for fold in range(FOLDS):
         parts = [
             np.isin(values.round(9), axis[fold::FOLDS])
-            for values, axis in zip((skies.parameter, skies.sun_zenith), axes, strict=True)
+            for values, axis in zip(quantities, axes, strict=True)
         ]
-        away = parts[0] | parts[1]
+        away = np.any(parts, axis=0)
         if away.any():
             yield away
 
 
-def _fit(table, settings, shape, dependence, use=None, start=None) -> Fit:
-    published = shape.name == "perez" and dependence.describe() == "linear" and table.kind == "Yxy"
-    if published:
-        return fit_published(table if use is None else table.subset(use), settings, {})
-    return fit_formula(table, settings, shape, dependence, use=use, start=start)
-
-
-def _cross_validated(fit, table, settings, shape, dependence, folds):
-    """Values of each fold's fit, and which skies it has not seen."""
-    return [
-        (_evaluate(_fit(table, settings, shape, dependence, ~away, fit), table), away)
-        for away in folds
-    ]
-
-
-def _evaluate(fit: Fit, skies: Skies) -> dict[str, Float[np.ndarray, "sky direction"]]:
+def _evaluate(fit: SkyFit, skies: Skies) -> dict[str, Float[np.ndarray, "sky direction"]]:
     """Values of the fit's channels and of x, y, Y for every sky, whatever kind those are."""
-    swept = {fit.parameter_name: skies.parameter[:, None]} if fit.parameter_name else {}
-    model: Any = fit.sky(**swept)
+    model = fit.sky(**{name: skies.swept[name][:, None] for name in fit.swept})
     at = skies.sun_zenith[:, None], skies.view_zenith, skies.relative_azimuth
     tables: list[tuple[Sequence[str], Any]] = [(CHANNELS, model.xyY(*at))]
-    if isinstance(fit, FormulaFit) and fit.kind != "Yxy":
-        tables.append((tuple(fit.coefficients), model.channels(*at)))
+    if fit.kind != "Yxy":
+        tables.append((fit.channels, model.channels(*at)))
     return {
         name: value
         for names, table in tables
@@ -187,21 +172,15 @@ def _evaluate(fit: Fit, skies: Skies) -> dict[str, Float[np.ndarray, "sky direct
     }
 
 
-def _count(fit: Fit) -> int:
-    if isinstance(fit, FormulaFit):
-        return fit.num_coefficients
-    return fit.coefficients["Y"].size + sum(part.size for part in fit.zenith["Y"].values())
-
-
 def _same_kind(skies: Skies, judged: Skies) -> None:
-    if skies.parameter_name != judged.parameter_name:
+    if set(skies.swept) != set(judged.swept):
         raise ValueError(
-            f"ladder(held_out=...): expected skies over {skies.parameter_name!r}; "
-            f"got {judged.parameter_name!r}"
+            f"ladder(held_out=...): expected skies over {sorted(skies.swept)}; "
+            f"got {sorted(judged.swept)}"
         )
-    for name in ("parameter_range", "sun_zenith_range"):
-        low, high = getattr(skies, name)
-        first, last = getattr(judged, name)
+    given = {"sun_zenith": skies.sun_zenith_range, **skies.ranges}
+    for name, (low, high) in given.items():
+        first, last = {"sun_zenith": judged.sun_zenith_range, **judged.ranges}[name]
         if first < low - 1e-6 or last > high + 1e-6:
             raise ValueError(
                 f"ladder(held_out=...): {name} must lie within that of data, "

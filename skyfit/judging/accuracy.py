@@ -1,24 +1,19 @@
 """How far skies differ in shape, and how well a fit gives known coefficients back."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from ..campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
-from ..models import AbstractSkyModel, preetham_sky
-from ..models.perez import CHANNELS, PerezSky
+from ..fitting import SkyFit
+from ..fitting.choices import MAX_VIEW_ZENITH
+from ..fitting.fit import fit_formula
+from ..fitting.skies import Skies, read_skies
+from ..models import AbstractSkyModel, FormulaSky, preetham_sky
+from ..models.formula import CHANNELS
 from ..models.preetham import published_coefficients
-from .diagnostics import line_with_errors
-from .formula_record import FormulaFit
-from .groups import MAX_VIEW_ZENITH, FitSettings, fit_groups
-from .record import SkyFit
-from .skies import Skies, read_skies
-
-
-if TYPE_CHECKING:
-    pass
 
 
 Sky = Any  # an xarray.Dataset, a fit, a model, or a function from turbidity to a model
@@ -60,22 +55,19 @@ def recovery_error() -> dict[str, float]:
     """Largest absolute error of the coefficients when the published model is fitted.
 
     Skies of the published model at the paper's 5 turbidities, 12 suns and 343 directions are
-    fitted jointly from the cold starts of `PerezDistribution`: A -1, B -0.32, C 10, D -3, E 0.45
+    fitted jointly from the cold starts of `Perez`: A -1, B -0.32, C 10, D -3, E 0.45
     for Y, and A -0.3, B -0.2, C 0.2, D -1.2, E 0.04 for x and y, at every turbidity. Below 1e-9 in
     float64; float32, where x64 is off, cannot promise better than some percent.
 
     Returns:
         For "Y", "x" and "y", over the slopes and intercepts of A to E.
     """
-    fit = fit_groups(paper_skies(preetham_sky), FitSettings(), "all")
-    published = published_coefficients()
-    errors = {}
-    for name in ("Y", "x", "y"):
-        k = CHANNELS.index(name)
-        nodes = fit.nodes[k, 0]
-        line, _ = line_with_errors(nodes, np.zeros((nodes.size, nodes.size)), fit.dependence)
-        errors[name] = float(np.abs(line - published[k]).max())
-    return errors
+    fit = fit_formula(paper_skies(preetham_sky))
+    published = dict(zip(CHANNELS, published_coefficients(), strict=True))
+    return {
+        name: float(np.abs(fit.coefficients[name] - published[name]).max())
+        for name in ("Y", "x", "y")
+    }
 
 
 def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
@@ -88,8 +80,7 @@ def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
     ]
     values = np.moveaxis(np.concatenate(colours), -1, 0)
     return Skies(
-        parameter_name="turbidity",
-        parameter=np.repeat(turbidities, suns.size),
+        swept={"turbidity": np.repeat(turbidities, suns.size)},
         sun_zenith=np.tile(suns, turbidities.size),
         view_zenith=np.broadcast_to(view, count),
         relative_azimuth=np.broadcast_to(azimuth, count),
@@ -100,7 +91,7 @@ def paper_skies(model_at: Callable[[float], AbstractSkyModel]) -> Skies:
 
 
 def _relative(model, sun_zenith, view_zenith, relative_azimuth):
-    if isinstance(model, PerezSky):
+    if isinstance(model, FormulaSky) and model.kind == "Yxy":
         return model.relative(sun_zenith, view_zenith, relative_azimuth)
     zenith = model.xyY(sun_zenith, np.zeros_like(view_zenith), relative_azimuth)
     return model.xyY(sun_zenith, view_zenith, relative_azimuth) / zenith
@@ -113,9 +104,12 @@ def _is_dataset(sky: Sky) -> bool:
 def _dataset_shape(table: Skies, sampling: Skies) -> Float[np.ndarray, "channel sky direction"]:
     if table.zenith is None:
         raise ValueError("shape_error: a dataset without a zenith direction has no F / F₀")
-    same = table.view_zenith.shape == sampling.view_zenith.shape and all(
-        np.allclose(getattr(table, name), getattr(sampling, name))
-        for name in ("parameter", "sun_zenith", "view_zenith", "relative_azimuth")
+    pairs = [(getattr(table, n), getattr(sampling, n)) for n in ("view_zenith", "relative_azimuth")]
+    pairs += [(table.sun_zenith, sampling.sun_zenith)]
+    pairs += [(table.swept.get(name), values) for name, values in sampling.swept.items()]
+    same = len(table.swept) == len(sampling.swept) and all(
+        one is not None and one.shape == other.shape and np.allclose(one, other)
+        for one, other in pairs
     )
     if not same:
         raise ValueError("shape_error: expected datasets of the same skies and directions")
@@ -124,16 +118,17 @@ def _dataset_shape(table: Skies, sampling: Skies) -> Float[np.ndarray, "channel 
 
 def _model_shape(sky: Sky, sampling: Skies) -> Float[np.ndarray, "channel sky direction"]:
     shape = np.empty((len(CHANNELS), *sampling.view_zenith.shape))
-    for value in np.unique(sampling.parameter):
-        rows = sampling.parameter == value
-        model = _model_at(sky, sampling.parameter_name, float(value))
+    table = np.stack([np.zeros(sampling.count), *sampling.swept.values()], axis=1)
+    for values in np.unique(table, axis=0):
+        rows = (table == values).all(axis=1)
+        model = _model_at(sky, dict(zip(sampling.swept, values[1:].tolist(), strict=True)))
         views = sampling.view_zenith[rows], sampling.relative_azimuth[rows]
         relative = _relative(model, sampling.sun_zenith[rows][:, None], *views)
         shape[:, rows] = np.moveaxis(np.asarray(relative, float), -1, 0)
     return shape
 
 
-def _model_at(sky: Sky, name: str | None, value: float) -> AbstractSkyModel:
-    if isinstance(sky, SkyFit | FormulaFit):
-        return sky.sky(**({name: value} if sky.parameter_name and name else {}))
-    return sky if isinstance(sky, AbstractSkyModel) else sky(value)
+def _model_at(sky: Sky, at: dict[str, float]) -> AbstractSkyModel:
+    if isinstance(sky, SkyFit):
+        return sky.sky(**{name: at[name] for name in sky.swept})
+    return sky if isinstance(sky, AbstractSkyModel) else sky(*at.values())

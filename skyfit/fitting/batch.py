@@ -1,0 +1,321 @@
+"""Fits of a formula to the skies of a dataset: all at once, per swept value, sky by sky."""
+
+from typing import Literal, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from .._typing import as_float
+from ..models.basis import Basis
+from .choices import SCALE, FitSettings, Formula
+from .lanes import Solution, solve_from_starts
+from .problem import FitProblem, residuals
+from .skies import Skies
+
+
+# A fit to one sky has several minima: it is begun from so many of the distribution's starts.
+SINGLE_SKY_STARTS = 3
+# Share of the loss per squared kink of a free number from node to node.
+SMOOTHNESS = 1e-3
+# Relative decrease of the objective that ends a fit: of one sky, of coefficients linear in the
+# parameters, of richer formulas, and of those on the way to them.
+SINGLE_RTOL, LINEAR_RTOL, RICH_RTOL, ROUGH_RTOL = 1e-8, 1e-13, 1e-5, 1e-3
+SINGLE_STEPS, MAX_STEPS = 64, 128
+
+By = Literal["all", "swept", "sky"]
+
+
+class BatchFit(NamedTuple):
+    """Fits of all channels to groups of skies.
+
+    Attributes:
+        problem: what was fitted; its lanes are the groups of the first channel, then of the next.
+        basis: terms of the numbers.
+        solution: what the solver found.
+        numbers: numbers of the formula in the terms of `basis`.
+        rms: root mean square of the weighted residuals.
+        converged: the solver's word.
+        starts: number of starts that a fit took.
+    """
+
+    problem: FitProblem
+    basis: Basis
+    solution: Solution
+    numbers: Float[np.ndarray, "channel group term coefficient"]
+    rms: Float[np.ndarray, "channel group"]
+    converged: Bool[np.ndarray, "channel group"]
+    starts: Int[np.ndarray, "channel group"]
+
+
+class Targets(NamedTuple):
+    """What a formula's distribution is to follow.
+
+    Attributes:
+        target: values over the scale, or values whose scale is free.
+        weight: weight of each relative residual.
+        free_scale: whether each sky has a scale of its own.
+    """
+
+    target: Float[np.ndarray, "channel sky direction"]
+    weight: Float[np.ndarray, "channel sky direction"]
+    free_scale: bool
+
+
+def targets(
+    skies: Skies,
+    formula: Formula,
+    settings: FitSettings,
+    use: Bool[np.ndarray, " sky"] | None = None,
+) -> Targets:
+    """Divide skies by their scale where that comes first, and weigh their directions.
+
+    Args:
+        skies: what to fit.
+        formula: the paper's own is fitted to values over the zenith's where that is seen, a
+            distribution that is relative to the zenith by a free scale of each sky, and any other
+            to values over the mean of the dome as `SCALE` has it.
+        settings: weights and residuals.
+        use: skies to fit; all by default.
+    """
+    use = np.ones(skies.count, bool) if use is None else use
+    weight = skies.weights(settings.weights, settings.max_view_zenith)
+    if not weight.any():
+        raise ValueError(
+            "fit_sky(max_view_zenith=...): no direction lies within "
+            f"{settings.max_view_zenith:.6g} rad of the zenith"
+        )
+    above = skies.view_zenith <= np.pi / 2 + 1e-6
+    weight = np.where(weight > 0, weight, formula.distribution.horizon_weight * above)
+    weight = weight * use[:, None]
+    target, free_scale = skies.values, True
+    if not formula.distribution.relative:
+        along = scale_terms(skies, use)
+        numbers = [fit_logarithm(along[use], mean[use]) for mean in means(skies, weight)]
+        target, free_scale = target / np.exp(np.stack(numbers) @ along.T)[..., None], False
+    elif formula.has_paper_zenith(skies) and skies.zenith is not None:
+        target, free_scale = target / skies.zenith[..., None], False
+    weight = np.broadcast_to(weight, target.shape)
+    if settings.residuals == "absolute":
+        square = weight**2
+        typical = np.sqrt((square * target**2).sum((1, 2)) / square.sum((1, 2)))
+        weight = weight * target / typical[:, None, None]
+    return Targets(target, weight, free_scale)
+
+
+def means(
+    skies: Skies, weight: Float[np.ndarray, "sky direction"]
+) -> Float[np.ndarray, "channel sky"]:
+    """Mean of every channel over the directions that count; of any value where none does."""
+    square = weight**2
+    total = square.sum(1)
+    return (square * skies.values).sum(2) / np.where(total > 0, total, 1.0)
+
+
+def scale_terms(skies: Skies, use: Bool[np.ndarray, " sky"]) -> Float[np.ndarray, "sky scale_term"]:
+    """Terms of the scale's logarithm for all skies, over the ranges of those in use."""
+    return terms_of(SCALE.basis(skies.subset(use)), skies)
+
+
+def fit_logarithm(terms: Float[np.ndarray, "sky term"], value: Float[np.ndarray, " sky"]):
+    """Numbers whose sums are closest to the logarithm of values."""
+    return np.linalg.lstsq(terms, np.log(value), rcond=1e-10)[0]
+
+
+def terms_of(basis: Basis, skies: Skies) -> Float[np.ndarray, "sky term"]:
+    """Terms of a basis for every sky."""
+    at = {name: as_float(values) for name, values in skies.quantities.items()}
+    return np.asarray(basis.terms(at), float).T
+
+
+def fit_groups(
+    skies: Skies,
+    formula: Formula,
+    settings: FitSettings,
+    by: By = "all",
+    *,
+    use: Bool[np.ndarray, " sky"] | None = None,
+    start: Float[np.ndarray, "channel sky coefficient"] | None = None,
+    again: bool = True,
+) -> BatchFit:
+    """Fit every channel to every group of skies.
+
+    A formula that is richer than a line is led there from simple to rich: the same coefficients for
+    all skies, from every one of the distribution's starts; then polynomials of rising degree, each
+    begun from the one before.
+
+    Args:
+        skies: what to fit.
+        formula: distribution and dependence; skies of one group that is not "all" share one set of
+            coefficients.
+        settings: weights, residuals, prior, starts.
+        by: which skies share numbers: "all" of them; those of the same "swept" values; none, each
+            "sky" having its own.
+        use: skies to fit; all by default.
+        start: sums of numbers times terms of every sky to begin from, in place of the starts.
+        again: whether fits in doubt are given all of the distribution's starts.
+    """
+    use = np.ones(skies.count, bool) if use is None else use
+    seen = skies if use.all() else skies.subset(use)
+    path = formula.dependence.path(seen) if by == "all" else [Basis()]
+    groups, wanted = skies.groups(by), targets(skies, formula, settings, use)
+    centre, starts = _starts(skies, formula, settings)
+    single, rich = by == "sky", len(path) > 1
+    if single and not settings.starts:
+        starts = np.roll(starts, -1, axis=0)
+    first = SINGLE_SKY_STARTS + bool(settings.starts) if single else len(starts) if rich else 1
+    if start is not None:
+        path, first = path[-1:], 1
+    rows = starts[:, :, None] if start is None else start[None]
+    size = path[-1].num_terms
+    solution, used, problem = None, None, None
+    for basis in path:
+        problem = _problem(skies, wanted, groups, basis, centre, formula, settings, size, use)
+        along = terms_of(basis, skies)[use]
+        free = _numbers_of(along, rows, use, basis, size)
+        free = np.repeat(free, groups.shape[0], axis=1)
+        rtol = SINGLE_RTOL if single else RICH_RTOL if rich or start is not None else LINEAR_RTOL
+        rtol = rtol if basis is path[-1] else ROUGH_RTOL
+        solution, used = solve_from_starts(
+            problem,
+            free if again else free[:first],
+            first=first,
+            rtol=max(rtol, float(jnp.finfo(problem.target.dtype).eps)),
+            max_steps=SINGLE_STEPS if single else MAX_STEPS,
+            at_once=1 if rich or start is not None else None,
+        )
+        if basis is not path[-1]:
+            table = np.asarray(solution.free).reshape(len(skies.channels), size, -1)
+            rows = (terms_of(basis, skies) @ table[:, : basis.num_terms])[None]
+            first = 1
+    return _read(problem, path[-1], solution, used, skies, groups)
+
+
+def _read(problem, basis, solution, used, skies, groups) -> BatchFit:
+    shape = len(skies.channels), groups.shape[0]
+    numbers = np.asarray(_numbers(problem, as_float(solution.free)), float)
+    count = np.count_nonzero(np.asarray(problem.weight), axis=(-2, -1))
+    return BatchFit(
+        problem=problem,
+        basis=basis,
+        solution=solution,
+        numbers=numbers.reshape(*shape, *numbers.shape[1:]),
+        rms=np.sqrt(2 * np.asarray(solution.loss, float) / count).reshape(shape),
+        converged=np.asarray(solution.converged).reshape(shape),
+        starts=used.reshape(shape),
+    )
+
+
+def _problem(skies, wanted, groups, basis, centre, formula, settings, size, use) -> FitProblem:
+    """Arrays of a batch; terms are filled up with zeros to `size`, which share a program."""
+    padding = groups < 0
+    num_channels, num_groups = len(skies.channels), len(groups)
+    terms = terms_of(basis, skies)
+    filled = np.pad(terms, ((0, 0), (0, size - basis.num_terms)))
+
+    def lanes(array):
+        return as_float(array.reshape(-1, *array.shape[2:]))
+
+    def repeat(array):
+        picked = array[groups]
+        return lanes(np.broadcast_to(picked, (num_channels, *picked.shape)))
+
+    def same(array):
+        return as_float(np.broadcast_to(array, (num_channels * num_groups, *array.shape)))
+
+    constant = np.pad(basis.constant(), (0, size - basis.num_terms))
+    centres = constant[:, None] * centre[:, None, :]
+    return FitProblem(
+        distribution=formula.distribution,
+        cos_view=repeat(np.cos(skies.view_zenith)),
+        gamma=repeat(skies.gamma),
+        sun_zenith=repeat(skies.sun_zenith),
+        terms=repeat(filled),
+        target=lanes(wanted.target[:, groups]),
+        weight=lanes(np.where(padding[..., None], 0.0, wanted.weight[:, groups])),
+        pull=same(_pull(formula, settings, basis, terms[use], size)),
+        centre=as_float(np.repeat(centres, num_groups, axis=0)),
+        linked=formula.dependence.linked,
+        free_scale=wanted.free_scale,
+    )
+
+
+def _pull(formula, settings, basis, terms, size):
+    """Square root of the prior: of free coordinates at ends, or of the free numbers of each sky."""
+    if not formula.dependence.linked:
+        return np.sqrt(settings.prior) * np.eye(size)
+    prior, unit = np.sqrt(settings.prior), formula.distribution.unit
+    rows = [prior * terms / np.sqrt(len(terms)), np.sqrt(SMOOTHNESS) * basis.bends()]
+    table = np.concatenate(rows) / unit
+    # The QR factor has as many rows as terms, however many skies and kinks there are.
+    factor = np.linalg.qr(table, mode="r")
+    filled = np.zeros((size, size))
+    filled[: len(factor), : basis.num_terms] = factor
+    return filled
+
+
+def _starts(skies: Skies, formula: Formula, settings: FitSettings):
+    """The prior's centre [channel, free], and starts [start, channel, free]."""
+    distribution, given = formula.distribution, dict(settings.starts or {})
+    unknown = set(given) - set(skies.channels)
+    if unknown:
+        raise ValueError(
+            f"fit_sky(starts=...): expected channels of {skies.channels}; got {sorted(unknown)}"
+        )
+    own = [distribution.starts(name) for name in skies.channels]
+    rows = [
+        [given.get(name, table[0]), *table] for name, table in zip(skies.channels, own, strict=True)
+    ]
+    for name, row in given.items():
+        if len(row) != len(distribution.names):
+            raise ValueError(
+                f"fit_sky(starts=...): {name} expected {len(distribution.names)} coefficients; "
+                f"got {len(row)}"
+            )
+    release = _release_linked if formula.dependence.linked else _release
+    free = np.asarray(release(distribution, as_float(np.array(rows, float))), float)
+    for name, row, coordinates in zip(skies.channels, rows, free, strict=True):
+        if not np.isfinite(coordinates[0]).all():
+            raise ValueError(
+                f"fit_sky(starts=...): {name} starts out of bounds; got {list(row[0])}"
+            )
+    return free[:, 1], np.delete(free, 1, axis=1).swapaxes(0, 1)
+
+
+def _numbers_of(terms, rows, use, basis, size):
+    """Free coordinates [start, channel, term × coefficient] whose sums are given rows.
+
+    Rows are those of every sky, or one for all [start, channel, sky or 1, coefficient].
+    """
+    if rows.shape[2] == 1:
+        found = basis.constant()[:, None] * rows
+    else:
+        solution = np.linalg.pinv(terms, rcond=1e-12)
+        found = solution @ rows[:, :, use]
+    filled = np.pad(found, ((0, 0), (0, 0), (0, size - basis.num_terms), (0, 0)))
+    return filled.reshape(*filled.shape[:2], -1)
+
+
+@eqx.filter_jit
+def _release(distribution, coefficients):
+    return distribution.release(coefficients)
+
+
+@eqx.filter_jit
+def _release_linked(distribution, coefficients):
+    return jnp.moveaxis(distribution.free_numbers(jnp.moveaxis(coefficients, -1, 0)), 0, -1)
+
+
+@eqx.filter_jit
+def _numbers(problem, free):
+    return jax.vmap(lambda problem, free: problem.numbers(free))(problem, free)
+
+
+@eqx.filter_jit
+def evaluate(
+    numbers: Float[Array, "lane term coefficient"], problem: FitProblem
+) -> tuple[Float[Array, "lane sky direction"], Float[Array, "lane sky"]]:
+    """Residuals and scales of a batch at given numbers."""
+    return jax.vmap(residuals)(numbers, problem)

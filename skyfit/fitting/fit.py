@@ -1,0 +1,288 @@
+"""From a sky dataset to a sky model: `fit_sky`."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from .._typing import as_float
+from ..models.distribution import AbstractDistribution
+from ..models.formula import CHANNELS
+from ..models.perez import COEFFICIENTS, Perez
+from .batch import BatchFit, evaluate, fit_groups, terms_of
+from .channels import Channels, read_channels
+from .choices import (
+    MAX_VIEW_ZENITH,
+    NAMED,
+    PRIOR,
+    Dependence,
+    FitSettings,
+    Formula,
+    Starts,
+    chosen_formula,
+)
+from .diagnostics import (
+    Diagnostics,
+    Examined,
+    examine,
+    lane,
+    loose_combinations,
+    spectrum,
+    variance,
+)
+from .document import plain, versions
+from .positivity import positivity
+from .record import Notes, SkyFit, TwoStage
+from .scales import fit_scale
+from .skies import Residuals, Skies, Weights, read_skies
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+PUBLISHED = Formula(Perez(), NAMED["linear"])
+
+
+def fit_sky(
+    data: "xr.Dataset",
+    *,
+    distribution: str | AbstractDistribution = "perez",
+    dependence: str | Dependence = "linear",
+    channels: Channels = "Yxy",
+    weights: Weights = "equal",
+    residuals: Residuals = "relative",
+    max_view_zenith: float = float(MAX_VIEW_ZENITH),
+    prior: float = PRIOR,
+    starts: Starts | None = None,
+) -> SkyFit:
+    """Fit a formula to skies: by default Perez's, as Preetham et al. (1999) do.
+
+    A formula is a distribution over the dome, whose coefficients depend on what was swept and on
+    the sun, times a scale. By default, for each of x, y and Y the ten numbers of five coefficients
+    linear in the swept parameter are fitted to all skies at once by Levenberg-Marquardt; the scale
+    is the zenith's luminance and chromaticity by the paper's formulas. For comparison
+    `SkyFit.two_stage` has what Preetham et al. (1999) describe: five coefficients for each value of
+    the parameter, and a line through them. The scale of any other formula is e to the power of a
+    polynomial in the parameters and the sun: the value of the zenith where the distribution is
+    relative to it, else the mean over the dome.
+
+    Where no direction is the zenith, each sky's zenith value is a free parameter.
+
+    Args:
+        data: skies in the form of `skyfit.dataset`, simulated or measured.
+        distribution: "perez", "cie", "hosek-wilkie", "series", or a distribution of
+            `skyfit.models` with settings of its own.
+        dependence: dependence of the coefficients on the swept parameters and the sun: "linear" in
+            the parameters, "polynomial" in both, linear between "nodes", or a `Dependence`.
+        channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
+            wavelengths of spectral bands [nm].
+        weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
+        residuals: "relative" (model / data - 1) or "absolute" (over the RMS of the data).
+        max_view_zenith: view zenith angle beyond which directions are left out [rad]. "series" and
+            "hosek-wilkie" keep a twentieth of their weight there, lest they turn negative.
+        prior: multiplies the loss by 1 + prior |u - u₀|², u being the free coordinates of the
+            coefficients and u₀ the first of the distribution's starts: what the skies do not
+            determine stays near it, and perfect data are fitted perfectly.
+        starts: coefficients to start from, by channel.
+
+    Returns:
+        Coefficients, their standard errors, and what a sceptic asks of them.
+
+    Raises:
+        ValueError: The data are incomplete or cannot be fitted; an unknown choice.
+    """
+    settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
+    formula = chosen_formula(distribution, dependence)
+    return fit_formula(read_channels(data, channels), formula, settings, provenance=data.attrs)
+
+
+def fit_formula(
+    skies: Skies,
+    formula: Formula = PUBLISHED,
+    settings: FitSettings | None = None,
+    *,
+    provenance: Mapping[Any, Any] | None = None,
+    use: Bool[np.ndarray, " sky"] | None = None,
+    start: SkyFit | None = None,
+) -> SkyFit:
+    """Fit a formula to skies in the channels to fit.
+
+    Args:
+        skies: what to fit.
+        formula: distribution and dependence.
+        settings: weights, residuals, prior, starts.
+        provenance: attributes of the data.
+        use: skies to fit; all by default.
+        start: a fit of the same formula to begin from.
+    """
+    settings = FitSettings() if settings is None else settings
+    use = np.ones(skies.count, bool) if use is None else use
+    seen = skies if use.all() else skies.subset(use)
+    if formula.has_paper_zenith(skies):
+        # One set of starts serves it, and the zenith is asked of the skies in use alone.
+        skies, use, start = seen, np.ones(seen.count, bool), None
+    begin = _sums(start, skies) if start is not None and formula.dependence.linked else None
+    joint = fit_groups(skies, formula, settings, use=use, start=begin)
+    read = [_read(joint, k, skies, formula, settings) for k in range(len(skies.channels))]
+    named = dict(zip(skies.channels, read, strict=True))
+    convert = formula.dependence.from_fitted(seen)
+    _, free = evaluate(as_float(joint.numbers[:, 0]), joint.problem)
+    scale, scale_errors, scale_rms = fit_scale(
+        skies, formula, settings, np.asarray(free, float), use
+    )
+    notes: dict[str, Any] = {
+        "diagnostics": {name: one.diagnostics for name, one in named.items()},
+        "scale_rms": scale_rms,
+        "two_stage": _two_stage(skies, formula, settings, joint),
+        "positivity": None,
+        "settings": {
+            "distribution": formula.distribution.name,
+            "dependence": formula.dependence.describe(),
+            "channels": skies.kind,
+            **plain(settings),
+        },
+        "provenance": {"data": plain(dict(provenance or {})), "versions": versions()},
+    }
+
+    def fit(notes):
+        return SkyFit(
+            numbers={
+                name: (convert @ joint.numbers[k, 0, : joint.basis.num_terms]).T
+                for k, name in enumerate(skies.channels)
+            },
+            number_errors={name: _errors(one.covariance, convert) for name, one in named.items()},
+            basis=formula.dependence.basis(seen),
+            distribution=formula.distribution,
+            scale=scale,
+            scale_errors=scale_errors,
+            wavelengths=skies.wavelengths,
+            linked=formula.dependence.linked,
+            kind=skies.kind,
+            ranges=tuple(seen.ranges.items()),
+            sun_zenith_range=seen.sun_zenith_range,
+            notes=Notes(**notes),
+        )
+
+    return fit(notes | {"positivity": positivity(fit(notes))})
+
+
+class EachSky(NamedTuple):
+    """Five coefficients for every sky by itself.
+
+    Attributes:
+        coefficients: A to E for x, y, Y over the dataset's sky dimensions.
+        rms: root mean square of each fit's weighted residuals.
+        converged: the solver's word.
+        starts: number of starts each fit took.
+    """
+
+    coefficients: Float[np.ndarray, "channel *sky coefficient"]
+    rms: Float[np.ndarray, "channel *sky"]
+    converged: Bool[np.ndarray, "channel *sky"]
+    starts: Int[np.ndarray, "channel *sky"]
+
+
+def fit_each_sky(
+    data: "xr.Dataset",
+    *,
+    weights: Weights = "equal",
+    residuals: Residuals = "relative",
+    max_view_zenith: float = float(MAX_VIEW_ZENITH),
+    starts: Starts | None = None,
+) -> EachSky:
+    """Fit Perez's five coefficients to every sky by itself: the best the formula can do.
+
+    All skies and channels are fitted side by side, from three starts each; those that did not
+    converge, or whose lowest loss only one start reached, from three more. There is no prior: badly
+    determined coefficients are to be expected, within the bounds of `skyfit.models.perez.Perez`.
+
+    Args:
+        data: skies, as for `fit_sky`.
+        weights: weights of directions, as for `fit_sky`.
+        residuals: kind of residuals, as for `fit_sky`.
+        max_view_zenith: view zenith angle beyond which directions are left out [rad].
+        starts: coefficients A to E to start from first, by channel.
+    """
+    settings = FitSettings(weights, residuals, max_view_zenith, 0.0, starts)
+    skies = read_skies(data, "fit_each_sky")
+    fit = fit_groups(skies, PUBLISHED, settings, "sky")
+    shape = (len(CHANNELS), *skies.shape)
+    return EachSky(
+        fit.numbers.reshape(*shape, len(COEFFICIENTS)),
+        fit.rms.reshape(shape),
+        fit.converged.reshape(shape),
+        fit.starts.reshape(shape),
+    )
+
+
+class _Read(NamedTuple):
+    diagnostics: Diagnostics
+    covariance: Float[np.ndarray, "term coefficient term coefficient"]
+
+
+def _read(joint: BatchFit, k: int, skies: Skies, formula: Formula, settings: FitSettings) -> _Read:
+    """Diagnostics and covariance of one channel of a joint fit."""
+    terms, count = joint.basis.num_terms, len(formula.distribution.names)
+    free = np.asarray(joint.solution.free)[k].reshape(-1, count)[:terms]
+    one = examine(as_float(free.ravel()), lane(joint.problem, k, terms))
+    found = Examined(*(np.asarray(field, float) for field in one))
+    weighed = np.asarray(joint.problem.weight)[k] > 0
+    inside = weighed & (skies.view_zenith <= settings.max_view_zenith + 1e-6)
+    residual = found.residual[inside]
+    noise = variance(found.residual[weighed], free.size)
+    by_number, by_free = spectrum(found.by_number), spectrum(found.by_free)
+    diagnostics = Diagnostics(
+        rms=float(np.sqrt(np.mean(residual**2))),
+        worst=float(np.abs(residual).max()),
+        condition=by_number.condition,
+        unidentified=loose_combinations(
+            by_free, noise, formula.distribution, _places(skies, formula, terms)
+        ),
+        converged=bool(joint.converged[k, 0]),
+        steps=int(joint.solution.steps[k]),
+    )
+    spread = noise * by_number.covariance()
+    return _Read(diagnostics, spread.reshape(terms, count, terms, count))
+
+
+def _places(skies: Skies, formula: Formula, num_terms: int) -> tuple[str, ...]:
+    """Where the terms of a line between two ends are."""
+    if formula.dependence.linked or num_terms != 2:
+        return ()
+    varied = ((name, ends) for name, ends in skies.ranges.items() if ends[0] < ends[1])
+    return tuple(f"{name} {end:g}" for name, ends in varied for end in ends)
+
+
+def _errors(covariance, convert) -> Float[np.ndarray, "coefficient term"]:
+    """Standard errors of numbers that are made of those fitted."""
+    return np.sqrt(np.maximum(np.einsum("it,tcuc,iu->ci", convert, covariance, convert), 0.0))
+
+
+def _sums(fit: SkyFit, skies: Skies) -> Float[np.ndarray, "channel sky coefficient"]:
+    """Sums of a fit's numbers times terms for every sky."""
+    along = terms_of(fit.basis, skies)
+    return np.stack([along @ np.asarray(table).T for table in fit.numbers.values()])
+
+
+def _two_stage(
+    skies: Skies, formula: Formula, settings: FitSettings, joint: BatchFit
+) -> dict[str, TwoStage] | None:
+    """Coefficients for each value of the one parameter, then a line through them."""
+    if not formula.has_paper_zenith(skies) or joint.basis.num_terms != 2:
+        return None
+    (parameter,) = skies.swept.values()
+    values = np.unique(parameter)
+    fit = fit_groups(skies, formula, settings, "swept")
+    table = fit.numbers[:, :, 0]
+    lines = np.stack([np.polyfit(values, rows, 1).T for rows in table])
+    ends = np.stack([(values[0], values[-1]), (1.0, 1.0)])
+    numbers = as_float(np.swapaxes(lines @ ends, 1, 2))
+    residuals, _ = (np.asarray(x, float) for x in evaluate(numbers, joint.problem))
+    count = np.count_nonzero(np.asarray(joint.problem.weight), axis=(1, 2))
+    rms = np.sqrt((residuals**2).sum((1, 2)) / count)
+    return {
+        name: TwoStage(values, table[k], lines[k], fit.rms[k], float(rms[k]))
+        for k, name in enumerate(skies.channels)
+    }
