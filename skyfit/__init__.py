@@ -38,12 +38,13 @@ if TYPE_CHECKING:
     )
     from .bands import Bands as Bands
     from .benchmark import run_benchmarks as run_benchmarks
-    from .campaign import Campaign as Campaign
-    from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
+    from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
+    from .campaign.description.bands import oxygen as oxygen, water_vapour as water_vapour
+    from .campaign.file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
-    from .description import PaperAtmosphere as PaperAtmosphere
-    from .description.bands import oxygen as oxygen, water_vapour as water_vapour
+    from .dataset.measurements import cornell_skies as cornell_skies
+    from .dataset.runner import run_campaign as run_campaign
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
@@ -65,7 +66,6 @@ if TYPE_CHECKING:
         scs_atmosphere as scs_atmosphere,
         scs_sky as scs_sky,
     )
-    from .measurements import cornell_skies as cornell_skies
     from .models import (
         cie_clear_sky as cie_clear_sky,
         cie_general_sky as cie_general_sky,
@@ -82,7 +82,6 @@ if TYPE_CHECKING:
     from .preetham_air import preetham_atmosphere as preetham_atmosphere
     from .report.coefficients import coefficient_table as coefficient_table
     from .report.pipeline import reproduce as reproduce
-    from .runner import run_campaign as run_campaign
     from .sun import (
         clear_sky_irradiance as clear_sky_irradiance,
         sun_irradiance as sun_irradiance,
@@ -106,12 +105,13 @@ _NAMES = {
     "atmosphere": ("Atmosphere", "Constituent", "Refraction"),
     "bands": ("Bands",),
     "benchmark": ("run_benchmarks",),
-    "campaign": ("Campaign",),
-    "campaign_file": ("load_atmosphere", "load_campaign"),
+    "campaign": ("Campaign", "PaperAtmosphere"),
+    "campaign.description.bands": ("oxygen", "water_vapour"),
+    "campaign.file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
-    "description": ("PaperAtmosphere",),
-    "description.bands": ("oxygen", "water_vapour"),
+    "dataset.measurements": ("cornell_skies",),
+    "dataset.runner": ("run_campaign",),
     "export": ("export_fit",),
     "fitting": (
         "Dependence",
@@ -129,7 +129,6 @@ _NAMES = {
         "shape_error",
     ),
     "marcher": ("scs_air", "scs_atmosphere", "scs_sky"),
-    "measurements": ("cornell_skies",),
     "models": (
         "cie_clear_sky",
         "cie_general_sky",
@@ -146,7 +145,6 @@ _NAMES = {
     "preetham_air": ("preetham_atmosphere",),
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
-    "runner": ("run_campaign",),
     "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),
     "transfer.trust": ("AccuracyWarning",),

@@ -10,7 +10,8 @@ import pytest
 from stand_in import stand_in
 
 import skyfit
-from skyfit import cli, runner
+from skyfit import cli
+from skyfit.dataset import runner
 
 
 CAMPAIGN = """

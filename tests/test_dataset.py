@@ -9,8 +9,7 @@ import xarray as xr
 from stand_in import stand_in
 
 import skyfit
-from skyfit import runner
-from skyfit.dataset import campaign_of
+from skyfit.dataset import campaign_of, runner
 
 
 SMALL = skyfit.Campaign(

@@ -9,7 +9,8 @@ import xarray as xr
 from stand_in import stand_in
 
 import skyfit
-from skyfit import cli, runner
+from skyfit import cli
+from skyfit.dataset import runner
 from skyfit.error_estimate import estimate_of, sampled_skies
 from skyfit.transfer.trust import AccuracyWarning, estimated_error
 

@@ -13,10 +13,9 @@ ORDER = [
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",
-    "description",                                            # and in the words of files
     "transfer",                                               # simulation
-    "campaign", "campaign_file", "error_estimate",            # which skies, and how good they are
-    "dataset", "store", "runner", "measurements",             # records of skies
+    "campaign", "error_estimate",                             # which skies, and how good they are
+    "dataset",                                                # records of skies, and making them
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
     "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
     "aerosol_fit",                                            # skies back to what they are made of

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..campaign_file import load_campaign
+from ..campaign.file import load_campaign
 from ..dataset import load_dataset
+from ..dataset.measurements import cornell_skies
 from ..fitting import load_fit
-from ..measurements import cornell_skies
 from ..models import preetham_sky
 from .recorded import RecordedSource, select_sky
 from .simulated import SimulatedSource

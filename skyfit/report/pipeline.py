@@ -11,11 +11,11 @@ import xarray as xr
 
 from ..campaign import Campaign
 from ..dataset import save_dataset, versions
+from ..dataset.runner import run_campaign
 from ..fitting import SkyFit, fit_sky, recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
 from ..plots.skies import modelled
-from ..runner import run_campaign
 from .claims import judge
 from .clock import Clock
 from .coefficients import coefficient_table, within_errors, zenith_record

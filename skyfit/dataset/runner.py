@@ -11,18 +11,10 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from ._typing import as_float
-from .atmosphere import Atmosphere
-from .campaign import Campaign
-from .dataset import (
-    check_suffix,
-    load_dataset,
-    save_dataset,
-    sky_dataset,
-    sky_variables,
-    with_errors,
-)
-from .error_estimate import (
+from .._typing import as_float
+from ..atmosphere import Atmosphere
+from ..campaign import Campaign
+from ..error_estimate import (
     CHECKS,
     ERRORS,
     covers,
@@ -32,9 +24,11 @@ from .error_estimate import (
     sum_up,
     warn_where_large,
 )
+from ..transfer.simulate_sky import coarser_radiance, simulate
+from ..transfer.trust import estimated_error, refuse_impossible
+from .files import check_suffix, load_dataset, save_dataset
+from .record import sky_dataset, sky_variables, with_errors
 from .store import SkyStore, empty_skies, refuse_another
-from .transfer.simulate_sky import coarser_radiance, simulate
-from .transfer.trust import estimated_error, refuse_impossible
 
 
 class _Job(NamedTuple):

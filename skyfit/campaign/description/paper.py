@@ -6,8 +6,8 @@ from typing import Any, ClassVar, Literal
 
 from jaxtyping import ArrayLike
 
-from ..atmosphere import Atmosphere
-from ..preetham_air import preetham_atmosphere
+from ...atmosphere import Atmosphere
+from ...preetham_air import preetham_atmosphere
 
 
 TURBIDITY_MEANINGS = ("optical thickness", "coefficients")

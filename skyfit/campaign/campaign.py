@@ -1,56 +1,23 @@
 """Which skies to simulate: an atmosphere, the parameter it is swept over, suns and directions."""
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import ArrayLike, Float
 
-from .atmosphere import Atmosphere
+from ..atmosphere import Atmosphere
+from ..preetham_air import PAPER_WAVELENGTHS
+from ..transfer.quality import QUALITIES
+from .checks import axis_of, one_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
 from .description.sweep import OBSERVER_ALTITUDE
-from .preetham_air import PAPER_WAVELENGTHS
-from .transfer.quality import QUALITIES
+from .directions import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, Values, paper_directions
 
 
-Values = ArrayLike | Sequence[int | float]
 GEOMETRIES = ("spherical", "flat", "paper")
 
 SCHEMA = "skyfit/campaign/1"
-PAPER_TURBIDITIES = (2.0, 3.0, 4.0, 5.0, 6.0)
-# The paper simulated 12 suns and 343 directions and lists neither: these are this project's choice.
-PAPER_SUN_ZENITHS_DEG = tuple(np.linspace(0.0, 85.0, 12).tolist())
-PAPER_VIEW_ZENITHS_DEG = tuple(np.arange(5.0, 91.0, 5.0).tolist())
-PAPER_RELATIVE_AZIMUTHS_DEG = tuple(np.arange(0.0, 181.0, 10.0).tolist())
-
-
-def half_dome(
-    view_zenith: Values, relative_azimuth: Values, *, zenith: bool = True
-) -> tuple[Float[np.ndarray, " direction"], Float[np.ndarray, " direction"]]:
-    """Directions on a grid, the zenith first.
-
-    Args:
-        view_zenith: Zenith angles of the rings [rad].
-        relative_azimuth: Azimuths from the sun in each ring [rad].
-        zenith: Put the zenith before the rings.
-
-    Returns:
-        View zenith and relative azimuth of every direction [rad].
-    """
-    rings, spokes = np.meshgrid(
-        np.atleast_1d(np.asarray(view_zenith, float)),
-        np.atleast_1d(np.asarray(relative_azimuth, float)),
-        indexing="ij",
-    )
-    first = np.zeros(1 if zenith else 0)
-    return np.concatenate([first, rings.ravel()]), np.concatenate([first, spokes.ravel()])
-
-
-def paper_directions() -> tuple[Float[np.ndarray, " direction"], Float[np.ndarray, " direction"]]:
-    """The default 343 directions: the zenith, and 5° … 90° by 5° times 0° … 180° by 10°."""
-    return half_dome(np.radians(PAPER_VIEW_ZENITHS_DEG), np.radians(PAPER_RELATIVE_AZIMUTHS_DEG))
 
 
 @dataclass(frozen=True, init=False)
@@ -112,8 +79,8 @@ class Campaign:
             sun_zenith = np.radians(PAPER_SUN_ZENITHS_DEG)
         if view_zenith is None or relative_azimuth is None:
             view_zenith, relative_azimuth = paper_directions()
-        angles = _values("view_zenith", view_zenith, 0.0, np.pi, increasing=False)
-        azimuths = _values("relative_azimuth", relative_azimuth, -np.inf, np.inf, increasing=False)
+        angles = axis_of("view_zenith", view_zenith, 0.0, np.pi, increasing=False)
+        azimuths = axis_of("relative_azimuth", relative_azimuth, -np.inf, np.inf, increasing=False)
         if len(angles) != len(azimuths):
             raise ValueError(
                 "Campaign: expected as many relative_azimuth as view_zenith, one a direction; "
@@ -121,8 +88,8 @@ class Campaign:
             )
         if orders is not None and (isinstance(orders, bool) or orders < 1):
             raise ValueError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
-        _one_of("Campaign", "geometry", geometry, GEOMETRIES)
-        _one_of("Campaign", "quality", quality, tuple(QUALITIES))
+        one_of("Campaign", "geometry", geometry, GEOMETRIES)
+        one_of("Campaign", "quality", quality, tuple(QUALITIES))
         if not 0 <= observer_altitude < np.inf:
             raise ValueError(
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
@@ -130,10 +97,10 @@ class Campaign:
         atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
         fields = {
             "turbidity": _turbidities(atmosphere, turbidity, sweep),
-            "sun_zenith": _values("sun_zenith", sun_zenith, 0.0, np.pi),
+            "sun_zenith": axis_of("sun_zenith", sun_zenith, 0.0, np.pi),
             "view_zenith": angles,
             "relative_azimuth": azimuths,
-            "wavelengths": _values("wavelengths", wavelengths, 1.0, 1e6),
+            "wavelengths": axis_of("wavelengths", wavelengths, 1.0, 1e6),
             "atmosphere": atmosphere,
             "orders": orders,
             "geometry": geometry,
@@ -216,42 +183,9 @@ def _turbidities(atmosphere: Any, given: Values | None, sweep: Sweep | None) -> 
     if isinstance(atmosphere, PaperAtmosphere):
         if sweep is not None:
             raise ValueError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
-        return _values("turbidity", PAPER_TURBIDITIES if given is None else given, 1.0, np.inf)
+        return axis_of("turbidity", PAPER_TURBIDITIES if given is None else given, 1.0, np.inf)
     if given is not None and np.size(given) > 0:
         raise ValueError(
             "Campaign(turbidity=...): only the paper's atmosphere has one; give sweep=..."
         )
     return ()
-
-
-def _values(
-    name: str, given: Any, low: float, high: float, *, increasing: bool = True
-) -> tuple[float, ...]:
-    """One axis of numbers within bounds, as Python floats."""
-    try:
-        axis = np.atleast_1d(np.asarray(given, dtype=float))
-    except (TypeError, ValueError):
-        raise ValueError(f"Campaign({name}=...): expected numbers; got {given!r:.60}") from None
-    if axis.ndim != 1 or axis.size == 0:
-        raise ValueError(f"Campaign({name}=...): expected one axis; got shape {axis.shape}")
-    # A rounding error beyond π is no reason to refuse a direction.
-    outside = ~(np.isfinite(axis) & (axis >= low) & (axis <= high + 1e-9))
-    if outside.any():
-        bounds = f"within [{low:.6g}, {high:.6g}]" if np.isfinite(high) else f"{low:.6g} or more"
-        raise ValueError(
-            f"Campaign({name}=...): expected finite values {bounds if np.isfinite(low) else ''}"
-            f"; got {axis[outside][0]:.6g}".replace(" ;", ";")
-        )
-    if increasing and np.any(np.diff(axis) <= 0):
-        at = int(np.argmax(np.diff(axis) <= 0))
-        raise ValueError(
-            f"Campaign({name}=...): expected increasing values; got {axis[at]:.6g} "
-            f"before {axis[at + 1]:.6g}"
-        )
-    return tuple(axis.tolist())
-
-
-def _one_of(owner: str, name: str, given: Any, choices: tuple[str, ...]) -> None:
-    if given not in choices:
-        expected = ", ".join(repr(choice) for choice in choices)
-        raise ValueError(f"{owner}({name}=...): expected one of {expected}; got {given!r}")

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from .._typing import ArrayLike
-from ..atmosphere import Atmosphere
-from ..campaign import Campaign, PaperAtmosphere
+from ..._typing import ArrayLike
+from ...atmosphere import Atmosphere
+from ..campaign import Campaign
+from ..description import PaperAtmosphere
 from .file import File
 from .section import one_line
 

@@ -5,19 +5,17 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from ..campaign import (
+from ...preetham_air import PAPER_WAVELENGTHS
+from ..campaign import SCHEMA, Campaign
+from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
+from ..description.sweep import replaced, unit_of
+from ..directions import (
     PAPER_RELATIVE_AZIMUTHS_DEG,
     PAPER_SUN_ZENITHS_DEG,
     PAPER_TURBIDITIES,
     PAPER_VIEW_ZENITHS_DEG,
-    SCHEMA,
-    Campaign,
-    PaperAtmosphere,
     half_dome,
 )
-from ..description import DescribedAtmosphere, Sweep
-from ..description.sweep import replaced, unit_of
-from ..preetham_air import PAPER_WAVELENGTHS
 from .aerosols import Constituent
 from .numbers import Increasing, Number, Numbers, ZeroOrMore
 from .parts import Ground, Name, Planet, Sun
