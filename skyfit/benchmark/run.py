@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dataset import versions
+from ..provenance import versions
 from ..transfer.quality import QUALITIES
 from .case import Case
 

@@ -7,14 +7,12 @@ import click
 import numpy as np
 
 import skyfit
+from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
 
 from .options import as_json
 from .output import INTERRUPTED, complain, print_record, progress
 
 
-PROJECTIONS, PRECISIONS = ("equidistant", "equal-area"), ("half", "float")
-TONES, GAMUTS = ("linear", "scs", "reinhard", "aces"), ("desaturate", "clip", "keep")
-AIRS = ("paper", "ward-larson", "none")
 VIEWS = ("fisheye", "panorama", "perspective")
 
 

@@ -8,11 +8,14 @@ attribute `error_estimate` sums it up, and the variable of that name has it for 
 every sky was checked.
 """
 
-from .files import load_dataset as load_dataset, save_dataset as save_dataset
+from .files import (
+    SUFFIXES as SUFFIXES,
+    load_dataset as load_dataset,
+    save_dataset as save_dataset,
+)
 from .record import (
     SCHEMA as SCHEMA,
     campaign_of as campaign_of,
     describe as describe,
     sky_variables as sky_variables,
-    versions as versions,
 )

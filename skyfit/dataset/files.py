@@ -12,6 +12,9 @@ from ..error_estimate import ERRORS, covers, estimate_of
 from .record import SCHEMA
 
 
+SUFFIXES = (".zarr", ".nc")
+
+
 def save_dataset(
     dataset: xr.Dataset, path: str | PathLike[str], *, overwrite: bool = False
 ) -> None:
@@ -76,8 +79,8 @@ def check_suffix(path: str | PathLike[str]) -> str:
         ValueError: It is neither.
     """
     suffix = Path(path).suffix
-    if suffix not in (".zarr", ".nc"):
-        raise ValueError(f"{path}: expected a name ending in .zarr or .nc")
+    if suffix not in SUFFIXES:
+        raise ValueError(f"{path}: expected a name ending in {' or '.join(SUFFIXES)}")
     return suffix
 
 

@@ -10,8 +10,6 @@ every sky was checked.
 
 import dataclasses
 import json
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import equinox as eqx
@@ -22,6 +20,7 @@ import xarray as xr
 from ..campaign import Campaign, PaperAtmosphere
 from ..colour import spectrum_to_xyY
 from ..error_estimate import ERRORS
+from ..provenance import package_version, versions
 
 
 SCHEMA = "skyfit/dataset/1"
@@ -120,19 +119,6 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     return Campaign.from_dict(json.loads(dataset.attrs["campaign"]))
 
 
-def versions() -> dict[str, str]:
-    """Versions of what makes the numbers."""
-    packages = {name: _version(name) for name in ("skyfit", "jax", "equinox", "numpy")}
-    return packages | {"python": platform.python_version()}
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:  # run from a source tree
-        return "unreleased"
-
-
 def _dims(name: str, front: tuple[str, ...]) -> tuple[str, ...]:
     order = ("order",) if name == "radiance_by_order" else ()
     spectrum = ("wavelength",) if name.startswith("radiance") else ()
@@ -159,7 +145,7 @@ def _attributes(campaign: Campaign) -> dict[str, str]:
     return {
         "Conventions": "CF-1.11",
         "title": "Simulated clear-sky radiance",
-        "source": f"skyfit {_version('skyfit')}",
+        "source": f"skyfit {package_version('skyfit')}",
         **({"references": paper} if isinstance(campaign.atmosphere, PaperAtmosphere) else {}),
         "schema": SCHEMA,
         "campaign": json.dumps(campaign.to_dict()),

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ..campaign.file import load_campaign
-from ..dataset import load_dataset
+from ..dataset import SUFFIXES, load_dataset
 from ..dataset.measurements import cornell_skies
 from ..fitting import load_fit
 from ..models import preetham_sky
@@ -50,7 +50,7 @@ def load_source(
         return _fitted(path, turbidity)
     if path.suffix == ".toml":
         return _simulated(path, turbidity, altitude)
-    if path.suffix in (".zarr", ".nc"):
+    if path.suffix in SUFFIXES:
         sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
         return RecordedSource(sky, path.name, turbidity)
     if str(path) == MEASURED:

@@ -10,12 +10,14 @@ import numpy as np
 import xarray as xr
 
 from ..campaign import Campaign
-from ..dataset import save_dataset, versions
+from ..colour import PAPER_CHANNELS
+from ..dataset import save_dataset
 from ..dataset.runner import run_campaign
 from ..fitting import SkyFit, fit_sky, recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
 from ..plots.skies import modelled
+from ..provenance import versions
 from .claims import judge
 from .clock import Clock
 from .coefficients import coefficient_table, within_errors, zenith_record
@@ -126,7 +128,7 @@ def _shape_errors(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[str, float
     }
     return {
         channel: {name: errors[channel] for name, errors in pairs.items()}
-        for channel in ("Y", "x", "y")
+        for channel in PAPER_CHANNELS
     }
 
 

@@ -5,8 +5,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from ...preetham_air import PAPER_WAVELENGTHS
-from ..campaign import SCHEMA, Campaign
+from ...preetham_air import PAPER_WAVELENGTHS, TURBIDITY_MEANINGS
+from ...transfer.quality import QUALITIES
+from ..campaign import GEOMETRIES, SCHEMA, Campaign
 from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
 from ..description.sweep import replaced, unit_of
 from ..directions import (
@@ -17,7 +18,7 @@ from ..directions import (
     half_dome,
 )
 from .aerosols import Constituent
-from .numbers import Increasing, Number, Numbers, ZeroOrMore
+from .numbers import Increasing, Number, Numbers, ZeroOrMore, one_of
 from .parts import Ground, Name, Planet, Sun
 from .section import Section
 
@@ -34,7 +35,7 @@ class _Paper(Section):
     """The atmosphere of Preetham et al. (1999)."""
 
     kind: Literal["preetham1999"] = "preetham1999"
-    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness"
+    turbidity_means: Annotated[Any, one_of(*TURBIDITY_MEANINGS)] = "optical thickness"
     ozone: bool = False
     ground_albedo: Annotated[Number, Field(ge=0, le=1)] = 0.0
 
@@ -81,8 +82,8 @@ class _Simulation(Section):
         Annotated[int, Field(ge=1)] | None,
         BeforeValidator(lambda value: None if value == "all" else value),
     ] = 2
-    geometry: Literal["spherical", "flat", "paper"] = "spherical"
-    quality: Literal["draft", "default", "high"] = "default"
+    geometry: Annotated[str, one_of(*GEOMETRIES)] = "spherical"
+    quality: Annotated[str, one_of(*QUALITIES)] = "default"
     observer_altitude_m: ZeroOrMore = 0.0
     keep_orders: bool = False
 

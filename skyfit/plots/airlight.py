@@ -8,8 +8,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..aerial import closed, integrals, layers, sunset_airlight
-from ..plots import style
 from ..preetham_air import preetham_atmosphere
+from . import style
 
 
 TURBIDITY = 3.0
