@@ -1,7 +1,9 @@
 """Which skies to simulate: an atmosphere, the parameter it is swept over, suns and directions."""
 
 import dataclasses
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,16 @@ from ..transfer.quality import QUALITIES
 from .checks import axis_of, one_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
 from .description.sweep import OBSERVER_ALTITUDE
-from .directions import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, Values, paper_directions
+from .directions import PAPER_SUN_ZENITHS_DEG, Values, paper_directions
+from .given import (
+    KIND,
+    AtmosphereFunction,
+    build_given,
+    call_given,
+    given_of,
+    given_record,
+)
+from .swept import find_swept
 
 
 GEOMETRIES = ("spherical", "flat", "paper")
@@ -20,23 +31,35 @@ GEOMETRIES = ("spherical", "flat", "paper")
 SCHEMA = "skyfit/campaign/1"
 
 
-@dataclass(frozen=True, init=False)
+Described = PaperAtmosphere | DescribedAtmosphere  # what can be described in words
+
+
+@dataclass(frozen=True, init=False, eq=False)
 class Campaign:
     """The skies to simulate; `Campaign()` is the paper's 5 turbidities × 12 suns × 343 directions.
 
+    Two campaigns are equal if the same skies come of them. An atmosphere that a program gives is
+    compared number by number; a function is called once for each value, here.
+
     Args:
-        turbidity: Of the paper's atmosphere, increasing, 1 or more; the paper's five by default.
-        sun_zenith: Increasing, in [0, π] [rad].
-        view_zenith: Of every direction, in [0, π] [rad].
-        relative_azimuth: Of every direction, as many as `view_zenith`; 0 towards the sun [rad].
-        wavelengths: Increasing [nm].
-        atmosphere: What the sky is made of, but for what is swept; the paper's by default.
+        turbidity: Swept turbidities, increasing, 1 or more, of the paper's atmosphere or of a
+            function that takes a turbidity; the paper's five by default.
+        sun_zenith: Zenith angles of the sun, increasing, in [0, π] [rad].
+        view_zenith: Zenith angle of every direction, in [0, π] [rad].
+        relative_azimuth: Azimuth of every direction from the sun, as many as `view_zenith` [rad].
+        wavelengths: Wavelengths, increasing; by default those of an `Atmosphere`, else 380 to 780
+            by 10 [nm].
+        atmosphere: Air that the sky is made of; the paper's by default. An `Atmosphere`; a function
+            that is called with the swept value under its name, as in `air(turbidity=3.0)`, and
+            returns one; a `PaperAtmosphere`; or the atmosphere of a campaign file.
         orders: Orders of scattering, 1 or more; None for all.
         geometry: "spherical", "flat" or "paper" (flat where the view zenith is below 70°).
         quality: Size of the simulator's quadratures: "draft", "default" or "high".
-        observer_altitude: 0 or more [m].
-        keep_orders: Keep the radiance of each order of scattering too.
-        sweep: What is swept where the atmosphere is not the paper's; None for a single one.
+        observer_altitude: Altitude of the observer, 0 or more [m].
+        keep_orders: Whether to keep the radiance of each order of scattering too.
+        sweep: Parameter of a function other than turbidity with its values, increasing, as in
+            `{"dust": [0.1, 0.2]}`; `{"observer_altitude": [...]}` [m] of an `Atmosphere`. None
+            where nothing else than a turbidity is swept.
 
     Raises:
         ValueError: Naming the argument, what was expected and what came.
@@ -47,13 +70,14 @@ class Campaign:
     view_zenith: tuple[float, ...]
     relative_azimuth: tuple[float, ...]
     wavelengths: tuple[float, ...]
-    atmosphere: PaperAtmosphere | DescribedAtmosphere
+    atmosphere: Described | Atmosphere | AtmosphereFunction
     orders: int | None
     geometry: str
     quality: str
     observer_altitude: float
     keep_orders: bool
     sweep: Sweep | None
+    _built: tuple[Atmosphere, ...] = field(init=False, repr=False)
 
     def __init__(
         self,
@@ -61,14 +85,14 @@ class Campaign:
         sun_zenith: Values | None = None,
         view_zenith: Values | None = None,
         relative_azimuth: Values | None = None,
-        wavelengths: Values = PAPER_WAVELENGTHS,
-        atmosphere: PaperAtmosphere | DescribedAtmosphere | None = None,
+        wavelengths: Values | None = None,
+        atmosphere: Described | Atmosphere | AtmosphereFunction | None = None,
         orders: int | None = 2,
         geometry: str = "spherical",
         quality: str = "default",
         observer_altitude: float = 0.0,
         keep_orders: bool = False,
-        sweep: Sweep | None = None,
+        sweep: Sweep | Mapping[str, Values] | None = None,
     ):
         if (view_zenith is None) != (relative_azimuth is None):
             raise ValueError(
@@ -95,8 +119,16 @@ class Campaign:
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
             )
         atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
+        turbidities, sweep = find_swept(atmosphere, turbidity, sweep)
+        built: tuple[Atmosphere, ...] = ()
+        if not isinstance(atmosphere, Described):
+            name, values = _swept(turbidities, sweep)
+            built = build_given(atmosphere, name, values)
+            wavelengths = _wavelengths_of(built[0], wavelengths)
+        elif wavelengths is None:
+            wavelengths = PAPER_WAVELENGTHS
         fields = {
-            "turbidity": _turbidities(atmosphere, turbidity, sweep),
+            "turbidity": turbidities,
             "sun_zenith": axis_of("sun_zenith", sun_zenith, 0.0, np.pi),
             "view_zenith": angles,
             "relative_azimuth": azimuths,
@@ -108,6 +140,7 @@ class Campaign:
             "observer_altitude": float(observer_altitude),
             "keep_orders": keep_orders,
             "sweep": sweep,
+            "_built": built,
         }
         for name, value in fields.items():
             object.__setattr__(self, name, value)
@@ -118,11 +151,7 @@ class Campaign:
 
         The name is None, and the only value NaN, where nothing is swept.
         """
-        if isinstance(self.atmosphere, PaperAtmosphere):
-            return self.atmosphere.swept, self.turbidity
-        return (
-            (None, (np.nan,)) if self.sweep is None else (self.sweep.name, tuple(self.sweep.values))
-        )
+        return _swept(self.turbidity, self.sweep)
 
     @property
     def sky_dims(self) -> tuple[str, ...]:
@@ -146,7 +175,14 @@ class Campaign:
         wavelengths = np.asarray(self.wavelengths)
         if isinstance(self.atmosphere, PaperAtmosphere):
             return self.atmosphere.build(value, wavelengths)
-        return self.atmosphere.build(wavelengths, self.sweep, value)
+        if isinstance(self.atmosphere, DescribedAtmosphere):
+            return self.atmosphere.build(wavelengths, self.sweep, value)
+        if isinstance(self.atmosphere, Atmosphere):
+            return self.atmosphere
+        name, values = self.swept
+        if value in values:
+            return self._built[values.index(value)]
+        return call_given(self.atmosphere, str(name), value)
 
     def observer_altitude_at(self, value: float) -> float:
         """Altitude of the observer for one value of the swept parameter [m]."""
@@ -155,8 +191,10 @@ class Campaign:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain numbers and words, for JSON."""
-        fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        fields["atmosphere"] = self.atmosphere.to_dict()
+        fields = {one.name: getattr(self, one.name) for one in dataclasses.fields(self) if one.init}
+        air = self.atmosphere
+        ours = isinstance(air, Described)
+        fields["atmosphere"] = air.to_dict() if ours else given_record(self._built)
         fields["sweep"] = None if self.sweep is None else dataclasses.asdict(self.sweep)
         return {"schema": SCHEMA, **fields}
 
@@ -170,22 +208,43 @@ class Campaign:
         fields = dict(record)
         if (schema := fields.pop("schema", "missing")) != SCHEMA:
             raise ValueError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
-        kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
-        home = PaperAtmosphere if kind == PaperAtmosphere.kind else DescribedAtmosphere
-        fields["atmosphere"] = home.from_dict(fields["atmosphere"])
         fields["turbidity"] = fields["turbidity"] or None
         fields["sweep"] = Sweep(**fields["sweep"]) if fields.get("sweep") else None
+        kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
+        if kind == KIND:
+            swept = _swept(tuple(fields["turbidity"] or ()), fields["sweep"])
+            fields["atmosphere"] = given_of(fields["atmosphere"], *swept)
+        else:
+            home = PaperAtmosphere if kind == PaperAtmosphere.kind else DescribedAtmosphere
+            fields["atmosphere"] = home.from_dict(fields["atmosphere"])
         return cls(**fields)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the same skies come of both."""
+        return isinstance(other, Campaign) and self.to_dict() == other.to_dict()
 
-def _turbidities(atmosphere: Any, given: Values | None, sweep: Sweep | None) -> tuple[float, ...]:
-    """Turbidities of the paper's atmosphere; none of any other."""
-    if isinstance(atmosphere, PaperAtmosphere):
-        if sweep is not None:
-            raise ValueError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
-        return axis_of("turbidity", PAPER_TURBIDITIES if given is None else given, 1.0, np.inf)
-    if given is not None and np.size(given) > 0:
+    def __hash__(self) -> int:
+        """The same for campaigns that are equal."""
+        return hash(json.dumps(self.to_dict()))
+
+
+def _swept(
+    turbidity: tuple[float, ...], sweep: Sweep | None
+) -> tuple[str | None, tuple[float, ...]]:
+    if sweep is not None:
+        return sweep.name, tuple(sweep.values)
+    return ("turbidity", turbidity) if turbidity else (None, (np.nan,))
+
+
+def _wavelengths_of(air: Atmosphere, given: Values | None) -> Values:
+    """Wavelengths of a program's atmosphere; those that were given must be the same."""
+    own = np.asarray(air.wavelengths, float)
+    if given is None:
+        return own
+    asked = np.atleast_1d(np.asarray(given, float))
+    if asked.shape != own.shape or not np.allclose(asked, own, rtol=1e-6):
         raise ValueError(
-            "Campaign(turbidity=...): only the paper's atmosphere has one; give sweep=..."
+            f"Campaign(wavelengths=...): expected those of the atmosphere, {own.size} from "
+            f"{own[0]:g} to {own[-1]:g} nm; got {asked.size} from {asked[0]:g} to {asked[-1]:g} nm"
         )
-    return ()
+    return asked

@@ -8,16 +8,15 @@ attribute `error_estimate` sums it up, and the variable of that name has it for 
 every sky was checked.
 """
 
-import dataclasses
 import json
-from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
 from ..campaign import Campaign, PaperAtmosphere
+from ..campaign.given import KIND
+from ..campaign.plain import to_plain
 from ..colour import spectrum_to_xyY
 from ..error_estimate import ERRORS
 from ..provenance import package_version, versions
@@ -116,7 +115,10 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     """
     if "campaign" not in dataset.attrs:
         raise ValueError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
-    return Campaign.from_dict(json.loads(dataset.attrs["campaign"]))
+    plan = json.loads(dataset.attrs["campaign"])
+    if plan["atmosphere"].get("kind") == KIND:
+        plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])
+    return Campaign.from_dict(plan)
 
 
 def _dims(name: str, front: tuple[str, ...]) -> tuple[str, ...]:
@@ -140,7 +142,9 @@ def _describe_swept(campaign: Campaign) -> dict[str, str]:
 
 
 def _attributes(campaign: Campaign) -> dict[str, str]:
-    atmospheres = [_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    atmospheres = [to_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    plan = campaign.to_dict()
+    plan["atmosphere"].pop("atmospheres", None)  # what a program gave is on record once
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
     return {
         "Conventions": "CF-1.11",
@@ -148,17 +152,7 @@ def _attributes(campaign: Campaign) -> dict[str, str]:
         "source": f"skyfit {package_version('skyfit')}",
         **({"references": paper} if isinstance(campaign.atmosphere, PaperAtmosphere) else {}),
         "schema": SCHEMA,
-        "campaign": json.dumps(campaign.to_dict()),
+        "campaign": json.dumps(plan),
         "atmosphere": json.dumps(atmospheres),
         "versions": json.dumps(versions()),
     }
-
-
-def _plain(part: Any) -> Any:
-    """An atmosphere, part by part, as names and numbers."""
-    if isinstance(part, eqx.Module):
-        fields = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
-        return {"type": type(part).__name__} | {name: _plain(v) for name, v in fields.items()}
-    if isinstance(part, tuple):
-        return [_plain(one) for one in part]
-    return np.asarray(part).tolist()

@@ -69,8 +69,9 @@ def _fitted(path: Path, turbidity: float | None) -> ModelSource:
         value = _needed(turbidity, str(path))
         name = f"{path.name}, turbidity {value:g}"
         return ModelSource(fit.sky(turbidity=value), value, name)
-    if fit.parameter_name is not None:
-        raise ValueError(f"{path}: swept over {fit.parameter_name}; expected turbidity or nothing")
+    if (name := fit.parameter_name) is not None:
+        value = _needed(turbidity, str(path), name)
+        return ModelSource(fit.sky(**{name: value}), None, f"{path.name}, {name} {value:g}")
     return ModelSource(fit.sky(), turbidity, path.name)
 
 
@@ -96,10 +97,11 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
     )  # fmt: skip
 
 
-def _needed(turbidity: float | None, what: str) -> float:
-    if turbidity is None:
-        raise ValueError(f"{what}: expected a turbidity; got none")
-    return turbidity
+def _needed(value: float | None, what: str, name: str = "turbidity") -> float:
+    if value is None:
+        ours = "a turbidity" if name == "turbidity" else f"a value of {name} (as turbidity)"
+        raise ValueError(f"{what}: expected {ours}; got none")
+    return value
 
 
 def sun_of(source: AbstractSource, sun_zenith: float | None) -> float:

@@ -17,6 +17,7 @@ from ..directions import (
     PAPER_VIEW_ZENITHS_DEG,
     half_dome,
 )
+from ..swept import TAKEN
 from .aerosols import Constituent
 from .numbers import Increasing, Number, Numbers, ZeroOrMore, one_of
 from .parts import Ground, Name, Planet, Sun
@@ -24,11 +25,6 @@ from .section import Section
 
 
 Angles = tuple[Annotated[Number, Field(ge=0, le=180)], ...]
-# Of the dataset's own; a swept parameter needs another name.
-TAKEN = {
-    *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
-    *("radiance", "radiance_by_order", "luminance", "x", "y", "done", "error_estimate"),
-}
 
 
 class _Paper(Section):

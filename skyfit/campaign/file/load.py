@@ -67,9 +67,10 @@ def load_atmosphere(
         lam: Any = campaign.wavelengths if wavelengths is None else wavelengths
         lam = np.atleast_1d(np.asarray(lam, float))
         value = float(swept[str(name)]) if swept else None
-        if isinstance(campaign.atmosphere, PaperAtmosphere):
-            return campaign.atmosphere.build(PAPER_TURBIDITY if value is None else value, lam)
-        return campaign.atmosphere.build(lam, campaign.sweep, value)
+        air: Any = campaign.atmosphere
+        if isinstance(air, PaperAtmosphere):
+            return air.build(PAPER_TURBIDITY if value is None else value, lam)
+        return air.build(lam, campaign.sweep, value)
     except ValueError as error:
         raise _named(path, error) from None
 
