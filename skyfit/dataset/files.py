@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..error_estimate import ERRORS, covers, estimate_of
+from ..errors import not_found
 from .record import SCHEMA
 
 
@@ -51,6 +52,7 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
     Estimates of the error that were interrupted before every sky had one are left out.
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: The file is not one, is unfinished, or holds a NaN or an infinity.
     """
     stored_attributes(path)
@@ -88,11 +90,12 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     """Attributes of a sky dataset on disk.
 
     Raises:
-        ValueError: There is none, or what is there is not a sky dataset of this schema.
+        FileNotFoundError: There is none.
+        ValueError: What is there is not a sky dataset of this schema.
     """
     kind = check_suffix(path)
     if not Path(path).exists():
-        raise ValueError(f"{path}: not found")
+        raise not_found(path)
     try:
         with _open(path, kind) as dataset:
             attributes = dict(dataset.attrs)

@@ -1,5 +1,6 @@
 """From a file, or from none, to what a picture can show."""
 
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ MEASURED = "cornell"
 
 
 def load_source(
-    path: Path | None,
+    path: str | PathLike[str] | None,
     turbidity: float | None = None,
     sun_zenith: float | None = None,
     altitude: float = 0.0,
@@ -35,8 +36,10 @@ def load_source(
         altitude: Of the eye, for simulated skies [m].
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: The file is none of these; the turbidity is missing, or out of place.
     """
+    path = None if path is None else Path(path)
     if altitude and (path is None or path.suffix != ".toml"):
         raise ValueError(
             f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "

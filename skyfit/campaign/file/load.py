@@ -27,8 +27,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
             defaults, `sims/README.md` those of atmospheres.
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: One line that names the file, the key, what was expected and what came.
-        OSError: The file cannot be read.
     """
     try:
         campaign = _read(path).campaign()
@@ -53,8 +53,8 @@ def load_atmosphere(
             parameter stands; the paper's atmosphere has a turbidity of 3.
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: One line that names the file, the key, what was expected and what came.
-        OSError: The file cannot be read.
     """
     try:
         file = _read(path)
