@@ -40,7 +40,7 @@ def calls(monkeypatch):
 
 
 def stop_after(skies):
-    def progress(done, total):
+    def progress(stage, done, total):
         if done >= skies:
             raise Interrupted
 
@@ -107,10 +107,8 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(calls, tmp_path, worke
         skyfit.load_dataset(store)
     calls.clear()
     seen = []
-    resumed = skyfit.run_campaign(
-        SMALL, lambda done, total: seen.append((done, total)), store, suns_per_call=1
-    )
-    assert seen == [(done, 6) for done in range(2, 7)]
+    resumed = skyfit.run_campaign(SMALL, lambda *at: seen.append(at), store, suns_per_call=1)
+    assert seen == [("skies", done, 6) for done in range(2, 7)]
     assert sum(calls) == 4
     # A product of matrices rounds differently with its size, and a call here has one sun.
     xr.testing.assert_allclose(resumed, whole, rtol=1e-13)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import skyfit
@@ -35,4 +36,6 @@ def test_loaders_take_names_as_strings():
     assert skyfit.load_fit(fit).sky() is not None
     assert skyfit.load_campaign(str(SIMS / "mars.toml")) == skyfit.load_campaign(SIMS / "mars.toml")
     assert skyfit.load_atmosphere(str(SIMS / "preetham1999.toml")).wavelengths.size == 41
-    assert skyfit.render.load_source("cornell", sun_zenith=0.855).name.startswith("Ithaca")
+    assert skyfit.render.load_source("cornell", sun_zenith=np.radians(48.9379)).name.startswith(
+        "Ithaca"
+    )

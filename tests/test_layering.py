@@ -9,7 +9,7 @@ import skyfit
 
 
 ORDER = [
-    "errors", "_typing", "constants", "tables", "provenance",           # numbers
+    "errors", "_progress", "_typing", "constants", "tables", "provenance",           # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",

@@ -22,7 +22,7 @@ def load_source(
     path: str | PathLike[str] | None,
     turbidity: float | None = None,
     sun_zenith: float | None = None,
-    altitude: float = 0.0,
+    observer_altitude: float = 0.0,
 ) -> AbstractSource:
     """The sky of a file, the published model, or a measured sky.
 
@@ -33,17 +33,17 @@ def load_source(
             value of what else it sweeps), and of the air before the sun where the sky does not
             know it.
         sun_zenith: Which sky of a dataset [rad].
-        altitude: Of the eye, for simulated skies [m].
+        observer_altitude: Altitude of the eye, for simulated skies [m].
 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: The file is none of these; the turbidity is missing, or out of place.
     """
     path = None if path is None else Path(path)
-    if altitude and (path is None or path.suffix != ".toml"):
+    if observer_altitude and (path is None or path.suffix != ".toml"):
         raise ValueError(
             f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "
-            f"altitude; got {altitude:g} m"
+            f"altitude; got {observer_altitude:g} m"
         )
     if path is None:
         value = _needed(turbidity, "the published model")
@@ -52,7 +52,7 @@ def load_source(
     if path.suffix == ".json":
         return _fitted(path, turbidity)
     if path.suffix == ".toml":
-        return _simulated(path, turbidity, altitude)
+        return _simulated(path, turbidity, observer_altitude)
     if path.suffix in SUFFIXES:
         sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
         return RecordedSource(sky, path.name, turbidity)

@@ -1,7 +1,6 @@
 """The paper's pipeline from end to end: `reproduce`."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from os import PathLike
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._progress import Progress, silent
 from ..campaign import Campaign
 from ..colour import PAPER_CHANNELS
 from ..dataset import save_dataset
@@ -28,9 +28,6 @@ from .reality import TURBIDITY, compare_with_cornell, simulate_cornell
 from .sentences import notes
 from .simplifications import simplifications
 from .tristimulus import tristimulus_comparison
-
-
-Progress = Callable[[str, int, int], None]
 
 
 def reproduce(
@@ -59,7 +56,7 @@ def reproduce(
         ValueError: `out` holds something else; the campaign cannot be fitted.
     """
     directory = claim_directory(out)
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     plan = Campaign() if campaign is None else campaign
     clock = Clock()
     with clock.stage("fit"):
@@ -67,9 +64,7 @@ def reproduce(
         recovery = recovery_error()
         tell("recovery check", 1, 1)
     with clock.stage("simulate"):
-        dataset = run_campaign(
-            plan, lambda done, total: tell("simulating skies", done, total), workers=workers
-        )
+        dataset = run_campaign(plan, tell, workers=workers)
     with clock.stage("fit"):
         tell("fitting", 0, 2)
         fit = fit_sky(dataset)
@@ -95,7 +90,7 @@ def reproduce(
                 dataset,
                 fit,
                 reality,
-                lambda done, total: tell("pictures", done, total),
+                tell,
             )
         record = {
             "schema": SCHEMA,
