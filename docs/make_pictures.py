@@ -1,9 +1,10 @@
-"""Make the pictures of `pictures.md`: python docs/make_pictures.py [NAME ...]."""
+"""Make the pictures of the pages: python docs/make_pictures.py [NAME ...]."""
 
 import sys
 from pathlib import Path
 
 import jax
+import marched_pictures
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -202,6 +203,19 @@ def charts():
     save(plots.error_map(model, cie_clear_sky(3.0), sun, "CIE clear over published"), "plot_error")
 
 
+def formulas():
+    """What formulas of turbidity and of aerial perspective give."""
+    save(plots.meteorological_range_chart(), "meteorological_range")
+    save(plots.path_error_chart(), "aerial_accuracy")
+    save(plots.sunset_chart(), "aerial_sunset")
+
+
+def marched():
+    """A day and other scenes by the ray marcher."""
+    save(marched_pictures.day_sheet(), "marched_day")
+    save(marched_pictures.gallery(), "marched_gallery")
+
+
 PICTURES = {
     "landscapes": landscapes,
     "aerial": with_and_without,
@@ -209,6 +223,8 @@ PICTURES = {
     "orientation": orientation,
     "domes": domes,
     "charts": charts,
+    "formulas": formulas,
+    "marched": marched,
 }
 
 if __name__ == "__main__":

@@ -37,12 +37,13 @@ if TYPE_CHECKING:
     )
     from .bands import Bands as Bands
     from .benchmark import run_benchmarks as run_benchmarks
-    from .campaign import Campaign as Campaign
-    from .campaign_file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
+    from .campaign import Campaign as Campaign, PaperAtmosphere as PaperAtmosphere
+    from .campaign.description.bands import oxygen as oxygen, water_vapour as water_vapour
+    from .campaign.file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
-    from .description import PaperAtmosphere as PaperAtmosphere
-    from .description.bands import oxygen as oxygen, water_vapour as water_vapour
+    from .dataset.measurements import cornell_skies as cornell_skies
+    from .dataset.runner import run_campaign as run_campaign
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
@@ -63,7 +64,6 @@ if TYPE_CHECKING:
         scs_atmosphere as scs_atmosphere,
         scs_sky as scs_sky,
     )
-    from .measurements import cornell_skies as cornell_skies
     from .models import (
         cie_clear_sky as cie_clear_sky,
         cie_general_sky as cie_general_sky,
@@ -86,7 +86,6 @@ if TYPE_CHECKING:
         coefficient_sensitivity as coefficient_sensitivity,
         fit_aerosol as fit_aerosol,
     )
-    from .runner import run_campaign as run_campaign
     from .sun import (
         clear_sky_irradiance as clear_sky_irradiance,
         sun_irradiance as sun_irradiance,
@@ -109,17 +108,17 @@ _NAMES = {
     "atmosphere": ("Atmosphere", "Constituent", "Refraction"),
     "bands": ("Bands",),
     "benchmark": ("run_benchmarks",),
-    "campaign": ("Campaign",),
-    "campaign_file": ("load_atmosphere", "load_campaign"),
+    "campaign": ("Campaign", "PaperAtmosphere"),
+    "campaign.description.bands": ("oxygen", "water_vapour"),
+    "campaign.file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
-    "description": ("PaperAtmosphere",),
-    "description.bands": ("oxygen", "water_vapour"),
+    "dataset.measurements": ("cornell_skies",),
+    "dataset.runner": ("run_campaign",),
     "export": ("export_fit",),
     "fitting": ("Dependence", "SkyFit", "fit_sky", "load_fit", "positivity"),
     "judging": ("colour_claim", "compare_weights", "ladder", "recovery_error", "shape_error"),
     "marcher": ("scs_air", "scs_atmosphere", "scs_sky"),
-    "measurements": ("cornell_skies",),
     "models": (
         "cie_clear_sky",
         "cie_general_sky",
@@ -137,7 +136,6 @@ _NAMES = {
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
     "retrieval": ("AerosolFit", "Sensitivity", "coefficient_sensitivity", "fit_aerosol"),
-    "runner": ("run_campaign",),
     "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
     "transfer.simulate_sky": ("simulate",),
     "transfer.trust": ("AccuracyWarning",),

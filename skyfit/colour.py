@@ -16,6 +16,8 @@ from .constants import LUMINOUS_EFFICACY
 from .spectrum import daylight_basis, daylight_table, product_weights
 
 
+PAPER_CHANNELS = ("Y", "x", "y")  # in the order of the paper's tables; `xyY` has its own
+
 # ITU-R BT.709-6 / IEC 61966-2-1: chromaticities of the primaries and of the D65 white
 SRGB_PRIMARIES = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 D65_WHITE = (0.3127, 0.3290)

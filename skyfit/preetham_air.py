@@ -4,7 +4,7 @@
 tables 1 and 2. The misprints mended here are listed in the README.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import equinox as eqx
 import jax
@@ -37,6 +37,8 @@ from .tables import read_table
 
 PAPER_WAVELENGTHS = np.arange(380.0, 781.0, 10.0)  # nm
 OZONE_AMOUNT = 0.0035  # m at NTP; Preetham et al. (1999), appendix A.1
+TurbidityMeaning = Literal["optical thickness", "coefficients"]
+TURBIDITY_MEANINGS: tuple[str, ...] = get_args(TurbidityMeaning)
 
 
 def rayleigh_scattering(wavelengths: ArrayLike) -> Float[Array, "..."]:
@@ -123,7 +125,7 @@ def preetham_atmosphere(
     turbidity: ArrayLike,
     *,
     wavelengths: ArrayLike | None = None,
-    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness",
+    turbidity_means: TurbidityMeaning = "optical thickness",
     haze_density: AbstractProfile | None = None,
     ozone: bool = False,
     ground_albedo: ArrayLike = 0.0,
@@ -144,7 +146,7 @@ def preetham_atmosphere(
     Raises:
         ValueError: Turbidity below 1 or NaN; an unknown meaning.
     """
-    if turbidity_means not in ("optical thickness", "coefficients"):
+    if turbidity_means not in TURBIDITY_MEANINGS:
         raise ValueError(
             "preetham_atmosphere(turbidity_means=...): expected 'optical thickness' or "
             f"'coefficients'; got {turbidity_means!r}"

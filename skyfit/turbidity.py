@@ -7,7 +7,6 @@ density at the ground over its column turns thickness into visibility there.
 """
 
 import math
-from typing import Literal
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +16,7 @@ from ._typing import ArrayLike, as_float, as_parameter, check
 from .constants import TOP_OF_ATMOSPHERE, TURBIDITY_WAVELENGTH
 from .models.preetham import TURBIDITY_RANGE, ZENITH_ANGLE, ZENITH_LUMINANCE
 from .models.scale import TangentZenith
-from .preetham_air import haze_scattering, rayleigh_scattering
+from .preetham_air import TurbidityMeaning, haze_scattering, rayleigh_scattering
 from .profile import StandardAtmosphere, elterman_haze
 from .sun.light import ANGSTROM_EXPONENT
 
@@ -25,13 +24,11 @@ from .sun.light import ANGSTROM_EXPONENT
 CONTRAST = 0.02  # least contrast an observer makes out; section 2.1
 LOWEST_SUN = math.radians(80.0)  # below it, two turbidities can have the same zenith luminance
 
-Meaning = Literal["optical thickness", "coefficients"]
-
 
 def meteorological_range(
     turbidity: ArrayLike,
     *,
-    turbidity_means: Meaning = "optical thickness",
+    turbidity_means: TurbidityMeaning = "optical thickness",
     contrast: float = CONTRAST,
 ) -> Float[Array, "..."]:
     """Distance at which a black target against the horizon fades, by Koschmieder's law [m].
@@ -56,7 +53,7 @@ def meteorological_range(
 def from_meteorological_range(
     distance: ArrayLike,
     *,
-    turbidity_means: Meaning = "optical thickness",
+    turbidity_means: TurbidityMeaning = "optical thickness",
     contrast: float = CONTRAST,
 ) -> Float[Array, "..."]:
     """Turbidity at which targets fade at a distance [m]: the inverse of `meteorological_range`.

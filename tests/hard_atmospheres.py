@@ -12,7 +12,7 @@ import numpy as np
 
 import skyfit
 from skyfit import phase, profile
-from skyfit.description.mie import mie_optics
+from skyfit.campaign.description.mie import mie_optics
 from skyfit.preetham_air import preetham_atmosphere
 
 

@@ -5,7 +5,7 @@ import importlib
 import numpy as np
 import pytest
 
-from skyfit.description.bands import mixed_gas_bands, water_vapour_bands
+from skyfit.campaign.description.bands import mixed_gas_bands, water_vapour_bands
 
 
 PUBLISHED = importlib.import_module("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS

@@ -9,7 +9,7 @@ import pytest
 import skyfit
 from skyfit import Atmosphere, Bands, Constituent, phase, profile
 from skyfit.aerial.source import sunlight_at_ground
-from skyfit.description.bands import mixed_gas_bands, water_vapour_bands
+from skyfit.campaign.description.bands import mixed_gas_bands, water_vapour_bands
 from skyfit.render.simulated import SimulatedSource, only
 from skyfit.render.sun_disc import disc_radiance
 from skyfit.transfer.line_classes import line_classes, side_by_side

@@ -10,7 +10,8 @@ import pytest
 from stand_in import stand_in
 
 import skyfit
-from skyfit import cli, runner
+from skyfit import cli
+from skyfit.dataset import runner
 
 
 CAMPAIGN = """
@@ -118,7 +119,7 @@ def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_pa
         (["simulate", "{campaign}", "--out", "s.txt"], "s.txt: expected a name ending in .zarr"),
         (["simulate", "{campaign}", "--out", "s.nc", "--workers", "0"], "'--workers': 0 is not"),
         (["simulate", "{campaign}", "--out", "s.nc", "--wokers", "2"], "No such option"),
-        (["fit", "none.zarr", "--out", "fit.json"], "none.zarr: not found"),
+        (["fit", "none.zarr", "--out", "fit.json"], "none.zarr: No such file or directory"),
         (["fit", "{campaign}", "--out", "fit.json"], "expected a name ending in .zarr or .nc"),
         (["fit", "none.zarr", "--out", "{campaign}"], "small.toml exists already"),
         (["reproduce", "--out", "{campaign}"], "small.toml: exists and is not a directory"),

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 import skyfit
-from skyfit.constants import ASTRONOMICAL_UNIT, SUN_RADIUS
-from skyfit.description.gases import (
+from skyfit.campaign.description.gases import (
     air_cross_section,
     air_depolarisation,
     nitrogen_dioxide_cross_section,
     oxygen_dimer_cross_section,
 )
-from skyfit.description.mie import angular_functions, mie_optics, number_density
-from skyfit.description.spectra import planck, spectrum_at, sunlight_above
+from skyfit.campaign.description.mie import angular_functions, mie_optics, number_density
+from skyfit.campaign.description.spectra import planck, spectrum_at, sunlight_above
+from skyfit.constants import ASTRONOMICAL_UNIT, SUN_RADIUS
 
 
 SIMS = Path(__file__).parent.parent / "sims"

@@ -9,7 +9,8 @@ import xarray as xr
 from stand_in import stand_in
 
 import skyfit
-from skyfit import cli, runner
+from skyfit import cli
+from skyfit.dataset import runner
 from skyfit.error_estimate import estimate_of, sampled_skies
 from skyfit.transfer.trust import AccuracyWarning, estimated_error
 
@@ -158,8 +159,8 @@ def test_a_finished_store_gains_an_estimate_and_keeps_it(simulator, tmp_path, na
 def test_an_interrupted_estimate_goes_on_where_it_stopped(simulator, tmp_path, workers):
     store, seen = tmp_path / "sky.zarr", []
 
-    def stop(done, total):
-        if done >= 12 + 3:
+    def stop(stage, done, total):
+        if stage == "error estimate" and done >= 3:
             raise Interrupted
 
     with pytest.raises(Interrupted):
@@ -173,7 +174,9 @@ def test_an_interrupted_estimate_goes_on_where_it_stopped(simulator, tmp_path, w
         SMALL, lambda *counts: seen.append(counts), store, suns_per_call=1, estimate_error="all"
     )
     assert (simulator.fine, simulator.coarse) == (0, 9)
-    assert seen == [(12, 12), *((done, 24) for done in range(15, 25))]
+    first, *later = seen
+    assert first == ("skies", 12, 12)
+    assert later == [("error estimate", done, 12) for done in range(3, 13)]
     xr.testing.assert_identical(skyfit.load_dataset(store), record)
     assert estimate_of(record).checked == 12
 

@@ -9,17 +9,17 @@ import skyfit
 
 
 ORDER = [
-    "_typing", "constants", "tables",                         # numbers
+    "errors", "_progress", "_typing",                         # what everything needs
+    "constants", "tables", "provenance",                      # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",
-    "description",                                            # and in the words of files
-    "transfer",                                               # simulation
-    "campaign", "campaign_file", "error_estimate",            # which skies, and how good they are
-    "dataset", "store", "runner", "measurements",             # records of skies
     "models", "turbidity", "fitting",                         # closed forms, and fitting them
+    "transfer",                                               # simulation
+    "campaign", "error_estimate",                             # which skies, and how good they are
+    "dataset",                                                # records of skies, and making them
+    "judging", "retrieval",                                   # of fits, and of what made the skies
     "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
-    "aerosol_fit",                                            # skies back to what they are made of
     "render", "plots", "export", "compare", "report", "benchmark",  # what is made of them
     "__init__", "cli",
 ]  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skyfit
-from skyfit.constants import SUN_SOLID_ANGLE
+from skyfit.constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
 from skyfit.render import (
     Fisheye,
     ModelSource,
@@ -17,7 +17,6 @@ from skyfit.render import (
     render,
 )
 from skyfit.render.cameras import direction_of
-from skyfit.render.sun_disc import SUN_RADIUS
 
 
 NORTH, EAST, SOUTH, WEST = (k * math.pi / 2 for k in range(4))
@@ -148,9 +147,10 @@ def test_the_disc_is_as_wide_as_the_sun(published):
     picture = render(published, camera, math.pi / 2 - 0.3, 1.0)
     bright = picture.rgb[..., 1] > 1e7
     width = math.radians(2) / 400
-    assert 2 * math.sqrt(bright.sum() / math.pi) * width == pytest.approx(2 * SUN_RADIUS, rel=5e-3)
+    radius = math.sqrt(bright.sum() / math.pi) * width
+    assert radius == pytest.approx(SUN_ANGULAR_RADIUS, rel=5e-3)
     # 959.63 arc seconds (IAU 1976)
-    assert math.degrees(SUN_RADIUS) * 3600 == pytest.approx(959.63, rel=1e-3)
+    assert math.degrees(SUN_ANGULAR_RADIUS) * 3600 == pytest.approx(959.63, rel=1e-3)
 
 
 def test_a_setting_sun_is_cut_by_the_horizon(published):

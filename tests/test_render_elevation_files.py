@@ -125,8 +125,9 @@ def test_what_is_no_file_of_heights(tmp_path):
         (tmp_path / name).write_text("no heights")
         with pytest.raises(ValueError, match=message):
             load_elevation(tmp_path / name)
-    with pytest.raises(ValueError, match=r"none.tif: not found"):
-        load_elevation(tmp_path / "none.tif")
+    for name in ("none.tif", "none.npz"):
+        with pytest.raises(FileNotFoundError, match=name):
+            load_elevation(tmp_path / name)
 
 
 def test_impossible_heights_are_refused():

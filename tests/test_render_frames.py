@@ -43,7 +43,7 @@ def rendered(monkeypatch):
 
 
 def stop_after(count):
-    def progress(done, total):
+    def progress(stage, done, total):
         if done == count:
             raise KeyboardInterrupt
 
@@ -79,7 +79,7 @@ def test_what_was_interrupted_ends_as_if_it_had_not_been(source, rendered, tmp_p
     again = animate(path, source, CAMERA, SUNS, progress=lambda *at: seen.append(at))
     # Each sun once, whatever was stopped where.
     assert rendered == [zenith for zenith, _ in SUNS]
-    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert seen == [("frames", done, 4) for done in range(1, 5)]
     assert path.read_bytes() == whole.read_bytes()
     assert again == record | {"out": str(path)}
     assert sorted(tmp_path.iterdir()) == sorted([path, whole])
@@ -108,7 +108,7 @@ def test_a_picture_that_cannot_be_written_keeps_its_frames(begun, source, render
 
 
 def test_a_file_that_appears_meanwhile_is_not_replaced(begun, source):
-    def appear(done, total):
+    def appear(stage, done, total):
         begun.write_text("precious")
 
     with pytest.raises(ValueError, match="exists already"):

@@ -36,7 +36,7 @@ def test_every_kind_of_sky_is_told_by_its_content():
     dull.ground_albedo = 0.3
     skies = [
         SimulatedSource(air, "air"), SimulatedSource(thicker, "air"), dull,
-        SimulatedSource(air, "air", orders=1), SimulatedSource(air, "air", altitude=10.0),
+        SimulatedSource(air, "air", orders=1), SimulatedSource(air, "air", observer_altitude=10.0),
         SimulatedSource(air, "air", quality="draft"), SimulatedSource(air, "air", grid=(9, 9)),
         RecordedSource(data, "data"), RecordedSource(brighter, "data"),
         RecordedSource(data, "data", 3.0),

@@ -105,7 +105,7 @@ def test_nights_may_be_black_and_so_may_what_is_no_sky():
 def test_only_air_that_scatters_around_the_eye_must_be_bright(scattering, altitude, day):
     gas = Constituent(Exponential(8e3), scattering, 1e-6, phase=Rayleigh())
     air = Atmosphere([500.0, 600.0], 1.9, [gas], top_altitude=60e3)
-    source = SimulatedSource(air, "air", altitude=altitude)
+    source = SimulatedSource(air, "air", observer_altitude=altitude)
     assert source.is_day(DAY) is day
     assert not source.is_day(NIGHT)
 

@@ -44,7 +44,7 @@ def from_ground(air):
 
 @pytest.fixture(scope="module")
 def from_space(air):
-    return SimulatedSource(air, "air", orders=1, quality="draft", altitude=4e5, grid=GRID)
+    return SimulatedSource(air, "air", orders=1, quality="draft", observer_altitude=4e5, grid=GRID)
 
 
 def between(source):
@@ -57,7 +57,7 @@ def between(source):
     view, azimuth = rings[:, :, None], (spokes(GRID[1]) + 0.5 * math.pi / GRID[1])[None, None, :]
     sky = skyfit.simulate(
         source.atmosphere, SUN, view, azimuth, orders=1, quality="draft",
-        observer_altitude=source.altitude,
+        observer_altitude=source.observer_altitude,
     )  # fmt: skip
     light = np.asarray(spectrum_to_xyz(sky.radiance, source.atmosphere.wavelengths))
     found = source.xyz(direction_of(view, azimuth + 0.4).reshape(-1, 3), SUN, 0.4)
@@ -209,7 +209,7 @@ def test_a_day_is_written_frame_by_frame(tmp_path, name):
     record = animate(
         tmp_path / name, source, camera, suns, ev=14.0, progress=lambda *at: seen.append(at)
     )
-    assert seen == [(1, 3), (2, 3), (3, 3)]
+    assert seen == [("frames", done, 3) for done in range(1, 4)]
     assert record["frames"] == 3
     assert record["ev"] == [14.0, 14.0]
     with Image.open(tmp_path / name) as file:

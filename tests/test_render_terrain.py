@@ -134,7 +134,7 @@ def test_level_land_has_the_light_that_falls_on_it(published, plain):
     camera = Perspective(8, 6, elevation=-0.5, field_of_view=0.4, altitude=50.0)
     sun, albedo = 0.7, 0.3
     picture = render_terrain(
-        published, plain, camera, (1e3, 1e3), sun, 2.0, None, albedo=albedo, samples=1
+        published, plain, camera, (1e3, 1e3), sun, 2.0, None, ground_albedo=albedo, samples=1
     )
     falling = horizontal_irradiance(published, sun, 2.0)
     falling = falling + published.sun_xyz(sun) * SUN_SOLID_ANGLE * math.cos(sun)
@@ -157,7 +157,7 @@ def test_a_slope_towards_the_sun_is_brighter(published):
 class Fog:
     """A twentieth gets through, and a constant glow is added."""
 
-    def split(self, distance, view_zenith, relative_azimuth, eye_height):
+    def split(self, distance, view_zenith, relative_azimuth, observer_altitude):
         one = jnp.ones((*distance.shape, 3), distance.dtype)
         return 0.05 * one, 100.0 * one
 

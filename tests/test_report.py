@@ -34,7 +34,7 @@ def directory(tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "report"
     stages = []
     skyfit.reproduce(out, lambda stage, done, total: stages.append(stage), campaign=SMALL)
-    assert {"recovery check", "simulating skies", "fitting", "pictures"} <= set(stages)
+    assert {"recovery check", "skies", "fitting", "pictures"} <= set(stages)
     return out
 
 

@@ -11,7 +11,7 @@ import pytest
 import skyfit
 from skyfit import sun_irradiance, sun_xyY, sunlight
 from skyfit.colour import spectrum_to_xyY
-from skyfit.constants import SUN_SOLID_ANGLE
+from skyfit.constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
 from skyfit.preetham_air import PAPER_WAVELENGTHS, table2
 from skyfit.sun import light
 from skyfit.tables import read_table
@@ -108,7 +108,7 @@ def test_the_sun_sets_smoothly_and_stays_dark(turbidity):
     values = np.asarray(sunlight(turbidity, zenith, [400.0, 550.0, 700.0]))
     assert np.isfinite(values).all()
     assert (values >= 0).all()
-    assert (values[zenith > HORIZON + light.SUN_RADIUS] == 0).all()
+    assert (values[zenith > HORIZON + SUN_ANGULAR_RADIUS] == 0).all()
     # A step of 5e-5 rad hides at most 0.7 % of the disc, and the light is what the air lets by.
     high = sunlight(turbidity, HORIZON - 0.05, [400.0, 550.0, 700.0]).max()
     assert np.abs(np.diff(values[:401], axis=0)).max() < 0.007 * high
@@ -116,7 +116,7 @@ def test_the_sun_sets_smoothly_and_stays_dark(turbidity):
 
 @pytest.mark.parametrize("darkened", [False, True])
 def test_gradients_are_finite_with_the_sun_anywhere(darkened):
-    edges = [HORIZON - light.SUN_RADIUS, HORIZON, HORIZON + light.SUN_RADIUS]
+    edges = [HORIZON - SUN_ANGULAR_RADIUS, HORIZON, HORIZON + SUN_ANGULAR_RADIUS]
     zenith = jnp.asarray([0.0, 1.0, *edges, 1.7, np.pi])
 
     def total(turbidity, sun, radius):
@@ -129,7 +129,7 @@ def test_gradients_are_finite_with_the_sun_anywhere(darkened):
 
 
 def test_half_of_the_disc_is_above_the_horizon_when_its_centre_is_on_it():
-    radius = light.SUN_RADIUS
+    radius = SUN_ANGULAR_RADIUS
     zenith = jnp.asarray([HORIZON - radius / 2, HORIZON, HORIZON + radius / 2])
     # A chord at half the radius cuts off (2π/3 - √3/2) / 2π = 0.19550 of a disc.
     want = [1 - 0.195501, 0.5, 0.195501]

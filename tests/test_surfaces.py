@@ -12,7 +12,7 @@ import pytest
 import skyfit
 from skyfit.campaign import paper_directions
 from skyfit.colour import luminance, xyY_to_xyz
-from skyfit.measurements import cornell_skies
+from skyfit.dataset.measurements import cornell_skies
 from skyfit.models import cie_general_sky, cie_overcast_sky, preetham_sky
 from skyfit.surfaces import Dome, plane_light, sampled_dome, sky_dome, sun_light
 

@@ -9,7 +9,7 @@ import pytest
 
 import skyfit
 from skyfit import preetham_atmosphere, preetham_sky, turbidity
-from skyfit.report.visibility import VISIBILITY_CODE, meteorological_range_chart
+from skyfit.plots.visibility import VISIBILITY_CODE, meteorological_range_chart
 
 
 GREEN = 550.0

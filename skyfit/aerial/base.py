@@ -22,13 +22,13 @@ class AbstractAerialPerspective(eqx.Module):
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light, arguments as `apply`: L = L₀ τ + in-scattered."""
 
     @abc.abstractmethod
     def transmittance(
-        self, distance: ArrayLike, view_zenith: ArrayLike, eye_height: ArrayLike = 0.0
+        self, distance: ArrayLike, view_zenith: ArrayLike, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives; arguments as `apply`."""
 
@@ -37,10 +37,10 @@ class AbstractAerialPerspective(eqx.Module):
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> Float[Array, "*batch channel"]:
         """Light added on the way; arguments as `apply`."""
-        return self.split(distance, view_zenith, relative_azimuth, eye_height)[1]
+        return self.split(distance, view_zenith, relative_azimuth, observer_altitude)[1]
 
     def apply(
         self,
@@ -48,7 +48,7 @@ class AbstractAerialPerspective(eqx.Module):
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> Float[Array, "*batch channel"]:
         """Light of an object as it arrives at the eye.
 
@@ -58,8 +58,8 @@ class AbstractAerialPerspective(eqx.Module):
                 [m]. A ray that comes to 500 m below altitude 0 ends there.
             view_zenith: Zenith angle of the ray from the eye, in [0, π] [rad].
             relative_azimuth: View azimuth minus sun azimuth [rad].
-            eye_height: Above altitude 0 [m].
+            observer_altitude: Altitude of the eye [m].
         """
-        seen, light = self.split(distance, view_zenith, relative_azimuth, eye_height)
+        seen, light = self.split(distance, view_zenith, relative_azimuth, observer_altitude)
         light0, seen, light = align(as_float(radiance0), seen, light)
         return light0.astype(seen.dtype) * seen + light

@@ -36,10 +36,10 @@ class ConstantAmbient(AbstractAerialPerspective):
     ambient: Float[Array, " channel"]
 
     def transmittance(
-        self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, eye_height: ArrayLike = 0.0
+        self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives from a distance [m]."""
-        far, *others = map(as_float, (distance, view_zenith, eye_height))
+        far, *others = map(as_float, (distance, view_zenith, observer_altitude))
         shape = jnp.broadcast_shapes(far.shape, *(other.shape for other in others))
         far = jnp.broadcast_to(far, shape)[..., None]
         # An infinite distance has no derivative worth the name; a long one serves as well.
@@ -51,11 +51,11 @@ class ConstantAmbient(AbstractAerialPerspective):
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light; arguments as `apply`."""
         view, azimuth = align(as_float(view_zenith), as_float(relative_azimuth))
-        seen = self.transmittance(distance, view + azimuth.astype(view.dtype), eye_height)
+        seen = self.transmittance(distance, view + azimuth.astype(view.dtype), observer_altitude)
         ambient, seen = align(self.ambient.astype(seen.dtype), seen)
         return seen, ambient * (1 - seen)
 

@@ -58,17 +58,17 @@ class AerialPerspective(AbstractAerialPerspective):
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light, arguments as `apply`: L = L₀ τ + in-scattered."""
-        s, view, azimuth, height = _rays(distance, view_zenith, relative_azimuth, eye_height)
+        s, view, azimuth, height = _rays(distance, view_zenith, relative_azimuth, observer_altitude)
         return _split(self, s, view, azimuth, height)
 
     def transmittance(
-        self, distance: ArrayLike, view_zenith: ArrayLike, eye_height: ArrayLike = 0.0
+        self, distance: ArrayLike, view_zenith: ArrayLike, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives; arguments as `apply`."""
-        s, view, height = _rays(distance, view_zenith, eye_height)
+        s, view, height = _rays(distance, view_zenith, observer_altitude)
         return _transmittance(self, s, view, height)
 
 

@@ -51,7 +51,7 @@ def sunset_airlight(
     distance: ArrayLike,
     turbidity: ArrayLike = 6.0,
     sun_zenith: ArrayLike = LOW_SUN,
-    eye_height: ArrayLike = 100.0,
+    observer_altitude: ArrayLike = 100.0,
 ) -> Sunset:
     """Level views east and west under the published sky, half an hour before sunset by default.
 
@@ -59,12 +59,12 @@ def sunset_airlight(
         distance: To black objects, one axis [m].
         turbidity: T.
         sun_zenith: [rad].
-        eye_height: [m].
+        observer_altitude: Altitude of the eye [m].
     """
     far, sky = jnp.atleast_1d(as_float(distance)), preetham_sky(turbidity)
     model = aerial_perspective(turbidity, sky, sun_zenith)
     east, west = (
-        _airlight(model.inscatter(far, np.pi / 2, side, eye_height), model.wavelengths)
+        _airlight(model.inscatter(far, np.pi / 2, side, observer_altitude), model.wavelengths)
         for side in (EAST, WEST)
     )
     constant = ward_larson_aerial(turbidity, sky, sun_zenith)

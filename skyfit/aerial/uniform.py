@@ -26,20 +26,20 @@ class UniformAir(AbstractAerialPerspective):
     sun_zenith: Scalar
 
     def transmittance(
-        self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, eye_height: ArrayLike = 0.0
+        self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch 3"]:
         """F_ex = e^{-β s}, equation 3; arguments as `apply`."""
-        return self.split(distance, view_zenith, 0.0, eye_height)[0]
+        return self.split(distance, view_zenith, 0.0, observer_altitude)[0]
 
     def split(
         self,
         distance: ArrayLike,
         view_zenith: ArrayLike,
         relative_azimuth: ArrayLike,
-        eye_height: ArrayLike = 0.0,
+        observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch 3"], Float[Array, "*batch 3"]]:
         """Transmittance and in-scattered light; arguments as `apply`."""
-        rays = map(as_float, (distance, view_zenith, relative_azimuth, eye_height))
+        rays = map(as_float, (distance, view_zenith, relative_azimuth, observer_altitude))
         return _split(self, *jnp.broadcast_arrays(*align(*rays)))
 
 

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..dataset import versions
+from .._progress import Progress
+from ..provenance import versions
 from ..transfer.quality import QUALITIES
 from .case import Case
 
@@ -27,8 +28,6 @@ SCALING = {
     "orders": (2, 6, 20),
 }
 HIGH_ZENITH, LOW_ZENITH = 75.0, 85.0  # degree
-
-Progress = Callable[[str, int, int], None]
 
 
 def run_benchmarks(

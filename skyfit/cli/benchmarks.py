@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.transfer.quality import QUALITIES
 
 from .options import as_json
 from .output import console, print_json, progress
@@ -65,7 +66,7 @@ _SCALING = {
 )
 @click.option(
     "--quality",
-    type=click.Choice(["draft", "default", "high"]),
+    type=click.Choice(list(QUALITIES)),
     default="default",
     show_default=True,
     help="Size of the simulator's tables and quadratures.",

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 import skyfit
+from skyfit.export.write import FORMATS
 from skyfit.fitting import paper_refit
 
 from .options import as_json
@@ -19,7 +20,7 @@ PUBLISHED, REFIT = "published", "refit"
 @click.option(
     "--format",
     "language",
-    type=click.Choice(["glsl", "hlsl", "c", "js", "python", "json"]),
+    type=click.Choice(list(FORMATS)),
     required=True,
     help="Language; python needs NumPy only, json has the numbers.",
 )

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.colour import PAPER_CHANNELS
 from skyfit.report.coefficients import has_published_form
 
 from .options import as_json
@@ -139,7 +140,7 @@ def _print_weights(compared: dict[str, Any]) -> None:
     rows.add_column("", no_wrap=True)
     for name in compared:
         rows.add_column(f"  {name}", justify="right", no_wrap=True)
-    for channel in ("Y", "x", "y"):
+    for channel in PAPER_CHANNELS:
         for k, letter in enumerate("ABCDE"):
             pairs = [one["coefficients"][channel][k] for one in compared.values()]
             rows.add_row(

@@ -7,14 +7,12 @@ import click
 import numpy as np
 
 import skyfit
+from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
 
 from .options import as_json
 from .output import INTERRUPTED, complain, print_record, progress
 
 
-PROJECTIONS, PRECISIONS = ("equidistant", "equal-area"), ("half", "float")
-TONES, GAMUTS = ("linear", "scs", "reinhard", "aces"), ("desaturate", "clip", "keep")
-AIRS = ("paper", "ward-larson", "none")
 VIEWS = ("fisheye", "panorama", "perspective")
 
 
@@ -124,7 +122,7 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
             try:
                 record = look.animate(
                     out, source, camera, suns, seconds=options["seconds"],
-                    progress=lambda done, total: bar("frames", done, total), **saved, **shown,
+                    progress=bar, **saved, **shown,
                 )  # fmt: skip
             except KeyboardInterrupt:
                 written = out.exists() and not options["overwrite"]
@@ -166,9 +164,9 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
         raise click.UsageError("--shafts: only with --aerial paper")
     air = look.air_before(source, zenith, options["aerial"], albedo, sunlight=options["sun_disc"])
     return look.render_terrain(
-        source, land, camera, eye, zenith, azimuth, air, albedo=albedo,
+        source, land, camera, eye, zenith, azimuth, air, ground_albedo=albedo,
         samples=options["samples"], sun_disc=options["sun_disc"], shafts=options["shafts"],
-        progress=lambda done, total: bar("samples", done, total),
+        progress=bar,
     )  # fmt: skip
 
 

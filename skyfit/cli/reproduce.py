@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.colour import PAPER_CHANNELS
 
 from .options import as_json, workers
 from .output import console, print_json, progress
@@ -38,15 +39,16 @@ def reproduce(out: Path, workers: int, as_json: bool) -> int:
 def _print_report(report: dict[str, Any], out: Path) -> None:
     from rich.table import Table
 
-    channels = ("Y", "x", "y")
     shapes = Table(title="A Practical Analytic Model for Daylight, reproduced")
     shapes.add_column("")
-    for channel in channels:
+    for channel in PAPER_CHANNELS:
         shapes.add_column(channel, justify="right")
-    recovered = [f"{report['recovery_error'][channel]:.0e}" for channel in channels]
+    recovered = [f"{report['recovery_error'][channel]:.0e}" for channel in PAPER_CHANNELS]
     shapes.add_row("published coefficients recovered within", *recovered)
     for pair in ("refit_vs_simulation", "published_vs_simulation", "refit_vs_published"):
-        errors = [f"{100 * report['shape_error'][channel][pair]:.1f} %" for channel in channels]
+        errors = [
+            f"{100 * report['shape_error'][channel][pair]:.1f} %" for channel in PAPER_CHANNELS
+        ]
         shapes.add_row(f"shape, {pair.replace('_vs_', ' against ')}", *errors)
     sky = Table(title="Measured skies")
     for title in ("model", "RMSE [mW/(m² sr nm)]", "luminance / measured"):

@@ -44,11 +44,10 @@ def simulate(campaign: Path, out: Path, workers: int, estimate_error: str, as_js
     done = [0, plan.num_skies]
     with progress("skies", quiet=as_json) as bar:
 
-        def advance(finished: int, total: int) -> None:
-            done[0] = min(finished, plan.num_skies)
-            bar("skies", min(finished, plan.num_skies), plan.num_skies)
-            if total > plan.num_skies:
-                bar("error estimate", finished - plan.num_skies, total - plan.num_skies)
+        def advance(stage: str, finished: int, total: int) -> None:
+            if stage == "skies":
+                done[0] = finished
+            bar(stage, finished, total)
 
         try:
             skies = skyfit.run_campaign(

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..fitting import SkyFit
-from ..fitting.document import versions
 from ..models.formula import FormulaSky
 from ..models.perez import Perez
 from ..models.preetham import published_coefficients
+from ..provenance import package_version
 from .description import Description
 
 
@@ -61,7 +61,7 @@ def provenance_of_model(sky: FormulaSky) -> list[str]:
     )
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
     return [
-        f"Written by skyfit {versions()['skyfit']}.",
+        f"Written by skyfit {package_version('skyfit')}.",
         f"Source: {paper}, appendix A.2." if published else "Source: a sky model of the caller's.",
         *valid_range(dict(sky.ranges), sky.sun_zenith_range),
     ]

@@ -10,10 +10,11 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._typing import as_float
 from ..models.basis import Basis
-from .choices import SCALE, FitSettings, Formula
+from .choices import FitSettings, Formula
 from .lanes import Solution, solve_from_starts
 from .problem import FitProblem, residuals
 from .skies import Skies
+from .targets import targets, terms_of
 
 
 # A fit to one sky has several minima: it is begun from so many of the distribution's starts.
@@ -48,86 +49,6 @@ class BatchFit(NamedTuple):
     rms: Float[np.ndarray, "channel group"]
     converged: Bool[np.ndarray, "channel group"]
     starts: Int[np.ndarray, "channel group"]
-
-
-class Targets(NamedTuple):
-    """What a formula's distribution is to follow.
-
-    Attributes:
-        target: values over the scale, or values whose scale is free.
-        weight: weight of each relative residual.
-        free_scale: whether each sky has a scale of its own.
-    """
-
-    target: Float[np.ndarray, "channel sky direction"]
-    weight: Float[np.ndarray, "channel sky direction"]
-    free_scale: bool
-
-
-def targets(
-    skies: Skies,
-    formula: Formula,
-    settings: FitSettings,
-    use: Bool[np.ndarray, " sky"] | None = None,
-) -> Targets:
-    """Divide skies by their scale where that comes first, and weigh their directions.
-
-    Args:
-        skies: what to fit.
-        formula: the paper's own is fitted to values over the zenith's where that is seen, a
-            distribution that is relative to the zenith by a free scale of each sky, and any other
-            to values over the mean of the dome as `SCALE` has it.
-        settings: weights and residuals.
-        use: skies to fit; all by default.
-    """
-    use = np.ones(skies.count, bool) if use is None else use
-    weight = skies.weights(settings.weights, settings.max_view_zenith)
-    if not weight.any():
-        raise ValueError(
-            "fit_sky(max_view_zenith=...): no direction lies within "
-            f"{settings.max_view_zenith:.6g} rad of the zenith"
-        )
-    above = skies.view_zenith <= np.pi / 2 + 1e-6
-    weight = np.where(weight > 0, weight, formula.distribution.horizon_weight * above)
-    weight = weight * use[:, None]
-    target, free_scale = skies.values, True
-    if not formula.distribution.relative:
-        along = scale_terms(skies, use)
-        numbers = [fit_logarithm(along[use], mean[use]) for mean in means(skies, weight)]
-        target, free_scale = target / np.exp(np.stack(numbers) @ along.T)[..., None], False
-    elif formula.has_paper_zenith(skies) and skies.zenith is not None:
-        target, free_scale = target / skies.zenith[..., None], False
-    weight = np.broadcast_to(weight, target.shape)
-    if settings.residuals == "absolute":
-        square = weight**2
-        typical = np.sqrt((square * target**2).sum((1, 2)) / square.sum((1, 2)))
-        weight = weight * target / typical[:, None, None]
-    return Targets(target, weight, free_scale)
-
-
-def means(
-    skies: Skies, weight: Float[np.ndarray, "sky direction"]
-) -> Float[np.ndarray, "channel sky"]:
-    """Mean of every channel over the directions that count; of any value where none does."""
-    square = weight**2
-    total = square.sum(1)
-    return (square * skies.values).sum(2) / np.where(total > 0, total, 1.0)
-
-
-def scale_terms(skies: Skies, use: Bool[np.ndarray, " sky"]) -> Float[np.ndarray, "sky scale_term"]:
-    """Terms of the scale's logarithm for all skies, over the ranges of those in use."""
-    return terms_of(SCALE.basis(skies.subset(use)), skies)
-
-
-def fit_logarithm(terms: Float[np.ndarray, "sky term"], value: Float[np.ndarray, " sky"]):
-    """Numbers whose sums are closest to the logarithm of values."""
-    return np.linalg.lstsq(terms, np.log(value), rcond=1e-10)[0]
-
-
-def terms_of(basis: Basis, skies: Skies) -> Float[np.ndarray, "sky term"]:
-    """Terms of a basis for every sky."""
-    at = {name: as_float(values) for name, values in skies.quantities.items()}
-    return np.asarray(basis.terms(at), float).T
 
 
 def fit_groups(

@@ -6,8 +6,6 @@ the published formula and of any other; version 3 has one. Older versions load.
 
 import dataclasses
 import json
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -88,14 +86,3 @@ def plain(value: Any) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     return str(value)
-
-
-def versions() -> dict[str, str]:
-    """Versions of what a fit's numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in ("skyfit", "jax", "equinox", "optimistix", "lineax", "numpy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unreleased"
-    return found

@@ -10,6 +10,7 @@ from .._typing import as_float
 from ..models.distribution import AbstractDistribution
 from ..models.formula import CHANNELS
 from ..models.perez import COEFFICIENTS, Perez
+from ..provenance import versions
 from .batch import BatchFit, evaluate, fit_groups, terms_of
 from .channels import Channels, read_channels
 from .choices import (
@@ -31,11 +32,12 @@ from .diagnostics import (
     spectrum,
     variance,
 )
-from .document import plain, versions
+from .document import plain
 from .positivity import positivity
 from .record import Notes, SkyFit, TwoStage
 from .scales import fit_scale
 from .skies import Residuals, Skies, Weights, read_skies
+from .targets import terms_of
 
 
 if TYPE_CHECKING:
@@ -143,7 +145,10 @@ def fit_formula(
             "channels": skies.kind,
             **plain(settings),
         },
-        "provenance": {"data": plain(dict(provenance or {})), "versions": versions()},
+        "provenance": {
+            "data": plain(dict(provenance or {})),
+            "versions": versions("optimistix", "lineax"),
+        },
     }
 
     def fit(notes):

@@ -14,11 +14,11 @@ from ..models.basis import SUN
 from ..models.formula import CHANNELS
 from ..models.preetham import ZENITH_ANGLE
 from ..models.scale import AbstractScale, CubicZenith, LogScale, PaperZenith, TangentZenith
-from .batch import fit_logarithm, means, scale_terms
 from .choices import SCALE, FitSettings, Formula
 from .diagnostics import spectrum, variance
 from .skies import Skies
 from .solver import NormalEquationsLM
+from .targets import direction_weights, fit_logarithm, means, scale_terms
 
 
 def fit_scale(
@@ -44,10 +44,7 @@ def fit_scale(
     if formula.has_paper_zenith(skies):
         return _paper_zenith(skies, values if skies.zenith is None else skies.zenith)
     if not formula.distribution.relative:
-        weight = skies.weights(settings.weights, settings.max_view_zenith)
-        above = skies.view_zenith <= np.pi / 2 + 1e-6
-        weight = np.where(weight > 0, weight, formula.distribution.horizon_weight * above)
-        values = means(skies, weight)
+        values = means(skies, direction_weights(skies, formula, settings))
     along = scale_terms(skies, use)[use]
     rows = [fit_logarithm(along, value[use]) for value in values]
     rms = [

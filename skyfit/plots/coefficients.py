@@ -3,14 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..colour import PAPER_CHANNELS
 from ..fitting import SkyFit
 from ..models.formula import CHANNELS as MODEL_CHANNELS
 from ..models.perez import COEFFICIENTS
 from ..models.preetham import published_coefficients
 from . import style
-
-
-CHANNELS = ("Y", "x", "y")
 
 
 def coefficient_chart(fit: SkyFit) -> Figure:
@@ -30,11 +28,11 @@ def coefficient_chart(fit: SkyFit) -> Figure:
 
 def _drawn(fit: SkyFit, swept: str) -> Figure:
     figure = style.new_figure(11.0, 5.4)
-    panels = figure.subplots(len(CHANNELS), len(COEFFICIENTS), sharex=True)
+    panels = figure.subplots(len(PAPER_CHANNELS), len(COEFFICIENTS), sharex=True)
     low, high = fit.parameter_range or (0.0, 1.0)
     turbidity = np.linspace(low, high, 41)
     published = published_coefficients()
-    for row, channel in enumerate(CHANNELS):
+    for row, channel in enumerate(PAPER_CHANNELS):
         for column, letter in enumerate(COEFFICIENTS):
             panel = panels[row, column]
             line = np.polyval(fit.coefficients[channel][column], turbidity)
@@ -59,7 +57,7 @@ def _drawn(fit: SkyFit, swept: str) -> Figure:
                 panel.set_title(letter)
             if column == 0:
                 panel.set_ylabel(f"coefficient of {channel} [1]")
-            if row == len(CHANNELS) - 1:
+            if row == len(PAPER_CHANNELS) - 1:
                 panel.set_xlabel(swept.replace("_", " "))
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

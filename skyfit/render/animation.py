@@ -1,7 +1,7 @@
 """A day as an animated picture: suns, frames, GIF or APNG."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from .._progress import Progress
 from ..sun import sun_position
 from .cameras import AbstractCamera
 from .files import check_target
@@ -58,7 +59,7 @@ def animate(
     gamut: str = "desaturate",
     seconds: float = 8.0,
     overwrite: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> dict[str, Any]:
     """Render a sky under one sun after the other and write them as one picture that moves.
@@ -78,7 +79,7 @@ def animate(
         gamut: As of `Picture.save`.
         seconds: How long it lasts.
         overwrite: Replace a file that is there.
-        progress: Called as `progress(done, total)`.
+        progress: Called as `progress("frames", done, total)`.
         **options: Of `render`.
 
     Returns:
@@ -108,7 +109,7 @@ def animate(
         exposures.append(frame.exposure if ev is None else ev)
         frames.append(to_pixels(frame.rgb, exposures[-1], tone, gamut))
         if progress is not None:
-            progress(len(frames), len(suns))
+            progress("frames", len(frames), len(suns))
     _write(Path(path), frames, seconds, overwrite)
     if kept is not None:
         kept.remove(len(suns))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..constants import EARTH_RADIUS
+from ..errors import not_found
 from .elevation import Elevation
 
 
@@ -42,15 +43,16 @@ def load_elevation(path: str | PathLike[str]) -> Elevation:
             to south and the steps `dx` and `dy` [m].
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: Another ending; the file lacks something, is turned, or has gaps.
     """
     path = Path(path)
     kind = path.suffix.lower()
-    if kind == ".npz":
-        return _numpy(path)
-    if kind in (".tif", ".tiff"):
-        return _geotiff(path)
-    raise ValueError(f"{path}: expected a name ending in .npz, .tif or .tiff")
+    if kind not in (".npz", ".tif", ".tiff"):
+        raise ValueError(f"{path}: expected a name ending in .npz, .tif or .tiff")
+    if not path.is_file():
+        raise not_found(path)
+    return _numpy(path) if kind == ".npz" else _geotiff(path)
 
 
 def _numpy(path: Path) -> Elevation:
@@ -74,8 +76,6 @@ def _geotiff(path: Path) -> Elevation:
         raise ValueError(
             f"{path}: a GeoTIFF needs rasterio: pip install 'skyfit[geotiff]'"
         ) from None
-    if not path.is_file():
-        raise ValueError(f"{path}: not found")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NotGeoreferencedWarning)

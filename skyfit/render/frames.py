@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from ..dataset import versions
+from ..provenance import versions
 from .cameras import AbstractCamera
 from .identity import UnknownError, digest
 from .sources import AbstractSource

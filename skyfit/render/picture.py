@@ -118,7 +118,8 @@ def render(
     """Make a picture of a sky.
 
     Args:
-        source: What is seen; `source_of` makes one of a model, an atmosphere, a dataset or a file.
+        source: The sky: a `ModelSource`, `SimulatedSource` or `RecordedSource`, what `load_source`
+            makes of a file, or a class of your own.
         camera: `Fisheye`, `Panorama` or `Perspective`.
         sun_zenith: Zenith angle of the sun [rad].
         sun_azimuth: Its compass azimuth, north 0, east π/2 [rad].

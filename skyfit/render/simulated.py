@@ -53,7 +53,7 @@ class SimulatedSource(AbstractSource):
         name: What it is.
         orders: How many orders of scattering; None for all.
         quality: As of `skyfit.simulate`.
-        altitude: Of the eye [m]; above 0 the planet is seen as well.
+        observer_altitude: Altitude of the eye [m]; above 0 the planet is seen as well.
         grid: Rings in each zone and azimuths in half a turn at which the sky is simulated.
 
     Raises:
@@ -67,7 +67,7 @@ class SimulatedSource(AbstractSource):
         name: str,
         orders: int | None = 2,
         quality: str = "default",
-        altitude: float = 0.0,
+        observer_altitude: float = 0.0,
         grid: tuple[int, int] = (RINGS, SPOKES),
     ):
         warn_of_straight_rays(
@@ -76,9 +76,10 @@ class SimulatedSource(AbstractSource):
             "up to 0.6 degrees too low at sunset",
         )
         self.atmosphere, self.name = atmosphere, name
-        self.orders, self.quality, self.altitude = orders, quality, altitude
+        self.orders, self.quality = orders, quality
+        self.observer_altitude = observer_altitude
         self.grid = grid
-        self.has_ground = altitude > 0
+        self.has_ground = observer_altitude > 0
         weights = np.asarray(xyz_weights(atmosphere.wavelengths))
         seen = weights[:, 1] * np.asarray(atmosphere.solar_irradiance)
         if not seen.any():
@@ -91,18 +92,22 @@ class SimulatedSource(AbstractSource):
         self._tables = lru_cache(maxsize=4)(self._simulate)
 
     def horizon(self):  # noqa: D102
-        return horizon_of(self.atmosphere, self.altitude)
+        return horizon_of(self.atmosphere, self.observer_altitude)
 
     def is_day(self, sun_zenith):  # noqa: D102
         air = self.atmosphere
         scatters = any(np.any(np.asarray(one.scattering)) for one in air.constituents)
-        return super().is_day(sun_zenith) and scatters and self.altitude < float(air.top_altitude)
+        return (
+            super().is_day(sun_zenith)
+            and scatters
+            and self.observer_altitude < float(air.top_altitude)
+        )
 
     def sun_xyz(self, sun_zenith):  # noqa: D102
-        return sun_through(self.atmosphere, sun_zenith, self.altitude)
+        return sun_through(self.atmosphere, sun_zenith, self.observer_altitude)
 
     def identity(self) -> Any:  # noqa: D102
-        return self.atmosphere, self.orders, self.quality, self.altitude, self.grid
+        return self.atmosphere, self.orders, self.quality, self.observer_altitude, self.grid
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
         unit = direction.astype(float)
@@ -121,15 +126,15 @@ class SimulatedSource(AbstractSource):
     def zones(self) -> tuple[Zone, ...]:
         """Parts of the sphere between which the light jumps, or is none."""
         horizon = np.pi / 2 - np.arcsin(self.horizon())
-        if self.altitude == 0:
+        if self.observer_altitude == 0:
             return (Zone(0.0, np.pi / 2),)
         ground = Zone(np.pi, horizon)
         top, radius = (
             float(a) for a in (self.atmosphere.top_altitude, self.atmosphere.planet_radius)
         )
-        if self.altitude < top:
+        if self.observer_altitude < top:
             return Zone(0.0, horizon), ground
-        limb = np.pi - np.arcsin((radius + top) / (radius + self.altitude))
+        limb = np.pi - np.arcsin((radius + top) / (radius + self.observer_altitude))
         return Zone(limb, horizon), ground
 
     def _simulate(self, sun_zenith: float) -> list[tuple[Zone, list[_Part]]]:
@@ -198,9 +203,9 @@ class SimulatedSource(AbstractSource):
         count, around = self.grid[0], spokes(self.grid[1])
         rings = np.stack([zone.rings(count) for zone in zones])
         # The very edges belong to the next zone: stay inside by a hundred-thousandth.
-        edge = 1e-5 * (self.altitude > 0) * np.sign(rings[:, -2] - rings[:, -1])
+        edge = 1e-5 * (self.observer_altitude > 0) * np.sign(rings[:, -2] - rings[:, -1])
         rings[:, -1] += edge
-        if self.altitude > 0 and not zones[0].open:
+        if self.observer_altitude > 0 and not zones[0].open:
             rings[0, 0] += 1e-5
         grids = np.stack(np.broadcast_arrays(rings[:, :, None], around))
         if not (zones[0].open and sun_zenith < zones[0].end):
@@ -219,7 +224,7 @@ class SimulatedSource(AbstractSource):
         """Spectral radiance [W m⁻² sr⁻¹ nm⁻¹]."""
         sky = simulate(
             atmosphere, sun_zenith, view, azimuth, orders,
-            quality=self.quality, observer_altitude=self.altitude,
+            quality=self.quality, observer_altitude=self.observer_altitude,
         )  # fmt: skip
         return np.asarray(sky.radiance)
 

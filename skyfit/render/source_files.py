@@ -1,13 +1,14 @@
 """From a file, or from none, to what a picture can show."""
 
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
-from ..campaign_file import load_campaign
-from ..dataset import load_dataset
+from ..campaign.file import load_campaign
+from ..dataset import SUFFIXES, load_dataset
+from ..dataset.measurements import cornell_skies
 from ..fitting import load_fit
-from ..measurements import cornell_skies
 from ..models import preetham_sky
 from .recorded import RecordedSource, select_sky
 from .simulated import SimulatedSource
@@ -18,10 +19,10 @@ MEASURED = "cornell"
 
 
 def load_source(
-    path: Path | None,
+    path: str | PathLike[str] | None,
     turbidity: float | None = None,
     sun_zenith: float | None = None,
-    altitude: float = 0.0,
+    observer_altitude: float = 0.0,
 ) -> AbstractSource:
     """The sky of a file, the published model, or a measured sky.
 
@@ -32,15 +33,17 @@ def load_source(
             value of what else it sweeps), and of the air before the sun where the sky does not
             know it.
         sun_zenith: Which sky of a dataset [rad].
-        altitude: Of the eye, for simulated skies [m].
+        observer_altitude: Altitude of the eye, for simulated skies [m].
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: The file is none of these; the turbidity is missing, or out of place.
     """
-    if altitude and (path is None or path.suffix != ".toml"):
+    path = None if path is None else Path(path)
+    if observer_altitude and (path is None or path.suffix != ".toml"):
         raise ValueError(
             f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "
-            f"altitude; got {altitude:g} m"
+            f"altitude; got {observer_altitude:g} m"
         )
     if path is None:
         value = _needed(turbidity, "the published model")
@@ -49,8 +52,8 @@ def load_source(
     if path.suffix == ".json":
         return _fitted(path, turbidity)
     if path.suffix == ".toml":
-        return _simulated(path, turbidity, altitude)
-    if path.suffix in (".zarr", ".nc"):
+        return _simulated(path, turbidity, observer_altitude)
+    if path.suffix in SUFFIXES:
         sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
         return RecordedSource(sky, path.name, turbidity)
     if str(path) == MEASURED:
@@ -69,8 +72,9 @@ def _fitted(path: Path, turbidity: float | None) -> ModelSource:
         value = _needed(turbidity, str(path))
         name = f"{path.name}, turbidity {value:g}"
         return ModelSource(fit.sky(turbidity=value), value, name)
-    if fit.parameter_name is not None:
-        raise ValueError(f"{path}: swept over {fit.parameter_name}; expected turbidity or nothing")
+    if (name := fit.parameter_name) is not None:
+        value = _needed(turbidity, str(path), name)
+        return ModelSource(fit.sky(**{name: value}), None, f"{path.name}, {name} {value:g}")
     return ModelSource(fit.sky(), turbidity, path.name)
 
 
@@ -96,10 +100,11 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
     )  # fmt: skip
 
 
-def _needed(turbidity: float | None, what: str) -> float:
-    if turbidity is None:
-        raise ValueError(f"{what}: expected a turbidity; got none")
-    return turbidity
+def _needed(value: float | None, what: str, name: str = "turbidity") -> float:
+    if value is None:
+        ours = "a turbidity" if name == "turbidity" else f"a value of {name} (as turbidity)"
+        raise ValueError(f"{what}: expected {ours}; got none")
+    return value
 
 
 def sun_of(source: AbstractSource, sun_zenith: float | None) -> float:

@@ -18,7 +18,6 @@ from ..transfer.paths import column_along, legs
 from .cameras import AbstractCamera
 
 
-SUN_RADIUS = math.acos(1 - SUN_SOLID_ANGLE / (2 * math.pi))  # rad; 0.2666°
 _POINTS = 20_000
 
 

@@ -1,6 +1,5 @@
 """Land under a sky, seen through the air before it."""
 
-from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 import equinox as eqx
@@ -9,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._progress import Progress
 from .._typing import Scalar
 from ..aerial import AerialPerspective
 from ..colour import srgb_matrix
@@ -31,7 +31,9 @@ _GOLDEN = 0.618034  # multiples of it, less their whole part, are evenly spread
 class Air(Protocol):
     """What `skyfit.aerial` makes, with channels "rgb"."""
 
-    def split(self, distance, view_zenith, relative_azimuth, eye_height) -> tuple[Array, Array]:
+    def split(
+        self, distance, view_zenith, relative_azimuth, observer_altitude
+    ) -> tuple[Array, Array]:
         """Transmittance, and light scattered in [cd m⁻²]."""
         ...
 
@@ -56,11 +58,11 @@ def render_terrain(
     sun_azimuth: float,
     air: Air | None,
     *,
-    albedo: float = 0.2,
+    ground_albedo: float = 0.2,
     samples: int = 16,
     sun_disc: bool = True,
     shafts: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Picture:
     """Make a picture of a landscape.
 
@@ -75,13 +77,13 @@ def render_terrain(
         sun_zenith: [rad].
         sun_azimuth: Compass azimuth [rad].
         air: Between eye and land, made with channels "rgb"; None for clear vacuum.
-        albedo: Of the land.
+        ground_albedo: Albedo of the land, Lambertian.
         samples: In each pixel, a square number.
         sun_disc: Sunlight, and the disc itself where it is in view.
         shafts: Whether land shades the air as well. Such air scatters skylight only; the sky behind
             it is dimmed by the share of the air's light that is lost. `air` is then a
             `skyfit.aerial.AerialPerspective`.
-        progress: Called as `progress(done, total)`.
+        progress: Called as `progress("samples", done, total)`.
 
     Returns:
         The picture, in absolute luminance.
@@ -93,8 +95,10 @@ def render_terrain(
     side = round(samples**0.5)
     if samples < 1 or side**2 != samples:
         raise ValueError(f"render_terrain(samples=...): expected 1, 4, 9, 16, ...; got {samples}")
-    if not 0 <= albedo <= 1:
-        raise ValueError(f"render_terrain(albedo=...): expected 0 to 1; got {albedo:.6g}")
+    if not 0 <= ground_albedo <= 1:
+        raise ValueError(
+            f"render_terrain(ground_albedo=...): expected 0 to 1; got {ground_albedo:.6g}"
+        )
     if shafts and not isinstance(air, AerialPerspective):
         got = type(air).__name__
         raise ValueError(f"render_terrain(shafts=...): expected an AerialPerspective; got {got}")
@@ -104,7 +108,7 @@ def render_terrain(
     if isinstance(air, eqx.Module):
         air = jax.tree.map(lambda a: a.astype(jnp.float32), air)
     sun = source.sun_xyz(sun_zenith) if sun_disc else None
-    lit = _light(source, elevation, sun_zenith, sun_azimuth, sun, albedo)
+    lit = _light(source, elevation, sun_zenith, sun_azimuth, sun, ground_albedo)
     east, north = (jnp.float32(place) for place in eye)
     height = elevation.at(east, north) + jnp.float32(camera.altitude)
     rows, columns = camera.shape
@@ -130,7 +134,7 @@ def render_terrain(
         total += light
         open_sky += sky
         if progress is not None:
-            progress(number + 1, samples)
+            progress("samples", number + 1, samples)
     rgb = (total / samples).reshape(rows, columns, 3)
     solid_angle = np.array(camera.rays().solid_angle)
     if sun is not None and sun[1] > 0:
@@ -138,7 +142,8 @@ def render_terrain(
         clear = open_sky.reshape(rows, columns)[y, x] / samples
         rgb[y, x] += ((share * clear)[:, None] * (srgb_matrix() @ sun)).astype(np.float32)
         solid_angle[y, x] = 0.0
-    text = f"{source.name}; land of albedo {albedo:g}; sun zenith {np.degrees(sun_zenith):.4g} deg"
+    angle = f"sun zenith {np.degrees(sun_zenith):.4g} deg"
+    text = f"{source.name}; land of albedo {ground_albedo:g}; {angle}"
     picture = Picture(rgb, np.ones((rows, columns), bool), solid_angle, camera, text)
     sky = open_sky.reshape(rows, columns) == samples
     refuse_black_day(source, sun_zenith, rgb, sky & (solid_angle > 0))

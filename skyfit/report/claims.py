@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from ..colour import PAPER_CHANNELS
 
-CHANNELS = ("Y", "x", "y")
+
 RECOVERED = 1e-9  # a fit that ends in rounding errors gives back what it was made from
 # The paper says "well" and "badly" without numbers; these bounds are this report's.
 WELL, ROUGHLY = 0.02, 0.15
@@ -60,7 +61,7 @@ def _recovery(errors: dict[str, float]) -> Claim:
         "recovery",
         "Fitted to skies of the published model, the fit gives the published coefficients back",
         "holds" if worst <= RECOVERED else "does not hold",
-        "largest error " + ", ".join(f"{name} {errors[name]:.1e}" for name in CHANNELS),
+        "largest error " + ", ".join(f"{name} {errors[name]:.1e}" for name in PAPER_CHANNELS),
     )
 
 
@@ -103,12 +104,12 @@ def _tristimulus(comparison: dict[str, dict[str, float]]) -> Claim:
 
 
 def _published_shape(errors: dict[str, dict[str, float]], within: dict[str, int]) -> Claim:
-    published = [errors[name]["published_vs_simulation"] for name in CHANNELS]
-    best = [errors[name]["refit_vs_simulation"] for name in CHANNELS]
+    published = [errors[name]["published_vs_simulation"] for name in PAPER_CHANNELS]
+    best = [errors[name]["refit_vs_simulation"] for name in PAPER_CHANNELS]
     agrees = all(p <= 1.5 * b for p, b in zip(published, best, strict=True))
     pairs = ", ".join(
         f"{name} {percent(p)} against {percent(b)}"
-        for name, p, b in zip(CHANNELS, published, best, strict=True)
+        for name, p, b in zip(PAPER_CHANNELS, published, best, strict=True)
     )
     return Claim(
         "published_coefficients",

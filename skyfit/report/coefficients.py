@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..colour import PAPER_CHANNELS
 from ..fitting import SkyFit
 from ..models.formula import CHANNELS as MODEL_CHANNELS
 from ..models.perez import COEFFICIENTS, Perez
@@ -15,7 +16,6 @@ from ..models.preetham import (
 )
 
 
-CHANNELS = ("Y", "x", "y")
 PARTS = ("slope", "intercept")
 
 
@@ -41,7 +41,7 @@ def coefficient_table(fit: SkyFit) -> dict[str, dict[str, dict[str, dict[str, fl
     """
     published = published_coefficients() if fit.parameter_name == "turbidity" else None
     table = {}
-    for channel in CHANNELS:
+    for channel in PAPER_CHANNELS:
         table[channel] = {}
         for row, letter in enumerate(COEFFICIENTS):
             table[channel][letter] = {

@@ -8,10 +8,8 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from ..colour import PAPER_CHANNELS
 from ..plots import style
-
-
-CHANNELS = ("Y", "x", "y")
 
 
 def write_page(
@@ -38,7 +36,7 @@ def write_page(
     page = Environment(autoescape=True, undefined=StrictUndefined).from_string(source)
     html = page.render(
         record=record,
-        channels=CHANNELS,
+        channels=PAPER_CHANNELS,
         picture=picture,
         number=plain_number,
         percent=lambda share: f"{100 * share:.1f} %",

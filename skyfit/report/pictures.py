@@ -1,11 +1,11 @@
 """Which pictures a report has, and what their captions say."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from .._progress import Progress
 from ..fitting import SkyFit
 from ..models import preetham_sky
 from ..plots import style
@@ -26,7 +26,7 @@ def draw_pictures(
     dataset: xr.Dataset,
     fit: SkyFit,
     reality: Reality,
-    progress: Callable[[int, int], None],
+    progress: Progress,
 ) -> dict[str, tuple[Path, str]]:
     """Draw all pictures into a directory.
 
@@ -35,7 +35,7 @@ def draw_pictures(
         dataset: Simulated skies, directions on a half dome with the zenith.
         fit: Their fit.
         reality: The comparison with measured skies.
-        progress: Called as `progress(done, total)`.
+        progress: Called as `progress("pictures", done, total)`.
 
     Returns:
         By name, the file and its caption.
@@ -92,11 +92,11 @@ def draw_pictures(
     }
     pictures = {}
     for done, (name, (draw, caption)) in enumerate(plan.items()):
-        progress(done, len(plan))
+        progress("pictures", done, len(plan))
         path = directory / f"{name}.png"
         path.write_bytes(style.png(draw()))
         pictures[name] = (path, caption)
-    progress(len(plan), len(plan))
+    progress("pictures", len(plan), len(plan))
     return pictures
 
 

@@ -1,7 +1,6 @@
 """The paper's pipeline from end to end: `reproduce`."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from os import PathLike
 from typing import Any
@@ -9,14 +8,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._progress import Progress, silent
 from ..campaign import Campaign
-from ..dataset import save_dataset, versions
+from ..colour import PAPER_CHANNELS
+from ..dataset import save_dataset
+from ..dataset.runner import run_campaign
 from ..fitting import SkyFit, fit_sky
 from ..judging import recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
 from ..plots.skies import modelled
-from ..runner import run_campaign
+from ..provenance import versions
 from .claims import judge
 from .clock import Clock
 from .coefficients import coefficient_table, within_errors, zenith_record
@@ -27,9 +29,6 @@ from .reality import TURBIDITY, compare_with_cornell, simulate_cornell
 from .sentences import notes
 from .simplifications import simplifications
 from .tristimulus import tristimulus_comparison
-
-
-Progress = Callable[[str, int, int], None]
 
 
 def reproduce(
@@ -58,7 +57,7 @@ def reproduce(
         ValueError: `out` holds something else; the campaign cannot be fitted.
     """
     directory = claim_directory(out)
-    tell = progress or (lambda stage, done, total: None)
+    tell = progress or silent
     plan = Campaign() if campaign is None else campaign
     clock = Clock()
     with clock.stage("fit"):
@@ -66,9 +65,7 @@ def reproduce(
         recovery = recovery_error()
         tell("recovery check", 1, 1)
     with clock.stage("simulate"):
-        dataset = run_campaign(
-            plan, lambda done, total: tell("simulating skies", done, total), workers=workers
-        )
+        dataset = run_campaign(plan, tell, workers=workers)
     with clock.stage("fit"):
         tell("fitting", 0, 2)
         fit = fit_sky(dataset)
@@ -94,7 +91,7 @@ def reproduce(
                 dataset,
                 fit,
                 reality,
-                lambda done, total: tell("pictures", done, total),
+                tell,
             )
         record = {
             "schema": SCHEMA,
@@ -127,7 +124,7 @@ def _shape_errors(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[str, float
     }
     return {
         channel: {name: errors[channel] for name, errors in pairs.items()}
-        for channel in ("Y", "x", "y")
+        for channel in PAPER_CHANNELS
     }
 
 

@@ -8,10 +8,10 @@ import xarray as xr
 
 from ..campaign import Campaign
 from ..colour import luminance
-from ..measurements import cornell_skies
+from ..dataset.measurements import cornell_skies
+from ..dataset.runner import run_campaign
 from ..models import AbstractSkyModel
 from ..render.half_dome import grid_axes, on_dome
-from ..runner import run_campaign
 
 
 TURBIDITY = 2.53  # of that day, as published comparisons on these skies take it

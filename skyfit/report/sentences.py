@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..colour import PAPER_CHANNELS
 from .claims import percent
 
 
@@ -40,7 +41,7 @@ def _summary(record: dict[str, Any]) -> list[str]:
 
 def _fit_notes(fit: dict[str, Any]) -> str:
     parts = []
-    for channel in ("Y", "x", "y"):
+    for channel in PAPER_CHANNELS:
         found = fit["diagnostics"][channel]
         parts.append(f"{channel}: condition number {found['condition']:.0f}")
         if found["unidentified"]:

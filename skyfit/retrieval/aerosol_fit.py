@@ -16,9 +16,8 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
 from ..atmosphere import Atmosphere
-from ..campaign import Campaign
-from ..description import DescribedAtmosphere
-from ..description.sweep import number_at, replaced
+from ..campaign import Campaign, DescribedAtmosphere
+from ..campaign.description.sweep import number_at, replaced
 from ..fitting.solver import NormalEquationsLM
 from ..transfer.quality import Quality
 from ..transfer.simulate_sky import simulate

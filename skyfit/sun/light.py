@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, as_wavelengths, check
 from ..colour import spectrum_to_xyY
-from ..constants import SUN_SOLID_ANGLE
+from ..constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
 from ..preetham_air import OZONE_AMOUNT, PAPER_WAVELENGTHS, table2
 
 
@@ -19,7 +19,6 @@ WATER_VAPOUR = 0.02  # m of precipitable water; appendix A.1
 ANGSTROM_EXPONENT = 1.3  # of the haze before the sun; appendix A.1
 # Ångström's turbidity coefficient is this times T, plus this: the haze's optical depth at 1 µm.
 ANGSTROM_COEFFICIENT = (0.04608, -0.04586)
-SUN_RADIUS = float(np.sqrt(SUN_SOLID_ANGLE / np.pi))  # rad
 
 
 def sunlight(
@@ -103,13 +102,13 @@ def air_mass(sun_zenith: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
 
     1 / (cos θₛ + 0.15 (93.885° - θₛ)^-1.253); 36.5 at the horizon, held from 0.27° below it.
     """
-    held = jnp.minimum(sun_zenith, np.pi / 2 + SUN_RADIUS)
+    held = jnp.minimum(sun_zenith, np.pi / 2 + SUN_ANGULAR_RADIUS)
     return 1 / (jnp.cos(held) + 0.15 * (93.885 - jnp.degrees(held)) ** -1.253)
 
 
 def visible_fraction(sun_zenith: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     """Share of the disc above the horizon."""
-    height = (np.pi / 2 - sun_zenith) / SUN_RADIUS
+    height = (np.pi / 2 - sun_zenith) / SUN_ANGULAR_RADIUS
     # The ends of arcsin have infinite slopes, whose difference from the root's would be NaN.
     h = jnp.clip(height, -1 + 1e-6, 1 - 1e-6)
     segment = 0.5 + (h * jnp.sqrt(1 - h**2) + jnp.arcsin(h)) / np.pi

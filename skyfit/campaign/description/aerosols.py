@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..atmosphere import Constituent
-from ..phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
-from ..preetham_air import haze_phase, haze_scattering
+from ...atmosphere import Constituent
+from ...phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
+from ...preetham_air import haze_phase, haze_scattering
 from .mie import mie_optics
 from .profiles import build_profile
 from .spectra import Part, Wavelengths, spectrum_at

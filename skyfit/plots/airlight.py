@@ -8,8 +8,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..aerial import closed, integrals, layers, sunset_airlight
-from ..plots import style
 from ..preetham_air import preetham_atmosphere
+from . import style
 
 
 TURBIDITY = 3.0
@@ -24,7 +24,7 @@ _METHODS = {
 
 
 def path_errors(
-    view_zenith_deg: np.ndarray, distance: np.ndarray, eye_height: float = 0.0
+    view_zenith_deg: np.ndarray, distance: np.ndarray, observer_altitude: float = 0.0
 ) -> dict[str, np.ndarray]:
     """Relative error of the light scattered in, at 550 nm and turbidity 3, by method.
 
@@ -33,7 +33,7 @@ def path_errors(
     Args:
         view_zenith_deg: One axis [degrees].
         distance: One axis [m].
-        eye_height: [m].
+        observer_altitude: Altitude of the eye [m].
 
     Returns:
         For each method [view, distance].
@@ -41,7 +41,9 @@ def path_errors(
     extinction = preetham_atmosphere(TURBIDITY, wavelengths=[550.0]).extinction
     air = layers.Layers(jnp.asarray(layers.PAPER_SCALE_HEIGHTS), extinction)
     view, far = np.meshgrid(np.radians(view_zenith_deg), distance, indexing="ij")
-    ray = layers.stretch(air, jnp.asarray(far), jnp.cos(view), jnp.full(far.shape, eye_height))
+    ray = layers.stretch(
+        air, jnp.asarray(far), jnp.cos(view), jnp.full(far.shape, observer_altitude)
+    )
 
     def light(method):
         return np.asarray(jnp.tensordot(extinction[:, 0], jax.jit(method)(air, ray), axes=1))[

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from ..plots import style
 from ..turbidity import meteorological_range
+from . import style
 
 
 # Upper ends of the international visibility code [km]; McCartney (1976), "Optics of the

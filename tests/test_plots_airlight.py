@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skyfit.report import airlight
+from skyfit.plots import airlight
 
 
 def test_the_errors_drawn_are_those_of_the_methods():

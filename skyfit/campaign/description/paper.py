@@ -2,15 +2,12 @@
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from jaxtyping import ArrayLike
 
-from ..atmosphere import Atmosphere
-from ..preetham_air import preetham_atmosphere
-
-
-TURBIDITY_MEANINGS = ("optical thickness", "coefficients")
+from ...atmosphere import Atmosphere
+from ...preetham_air import TURBIDITY_MEANINGS, TurbidityMeaning, preetham_atmosphere
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class PaperAtmosphere:
     kind: ClassVar[str] = "preetham1999"
     swept: ClassVar[str] = "turbidity"
 
-    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness"
+    turbidity_means: TurbidityMeaning = "optical thickness"
     ozone: bool = False
     ground_albedo: float = 0.0
 

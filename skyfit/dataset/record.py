@@ -1,4 +1,4 @@
-"""The record between simulation and fit: an xarray dataset with CF-style names, and its files.
+"""The form of sky datasets: dimensions, variables and attributes, with CF-style names.
 
 Dimensions are the swept parameter (`turbidity`, or any other; none where nothing is swept),
 `sun_zenith`, `direction` and `wavelength`, plus `order` where the orders of scattering are kept.
@@ -8,23 +8,18 @@ attribute `error_estimate` sums it up, and the variable of that name has it for 
 every sky was checked.
 """
 
-import dataclasses
 import json
-import os
-import platform
-from importlib.metadata import PackageNotFoundError, version
-from os import PathLike
-from pathlib import Path
-from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from .campaign import Campaign, PaperAtmosphere
-from .colour import spectrum_to_xyY
-from .error_estimate import ERRORS, covers, estimate_of
+from ..campaign import Campaign, PaperAtmosphere
+from ..campaign.given import KIND
+from ..campaign.plain import to_plain
+from ..colour import spectrum_to_xyY
+from ..error_estimate import ERRORS
+from ..provenance import package_version, versions
 
 
 SCHEMA = "skyfit/dataset/1"
@@ -120,119 +115,10 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     """
     if "campaign" not in dataset.attrs:
         raise ValueError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
-    return Campaign.from_dict(json.loads(dataset.attrs["campaign"]))
-
-
-def save_dataset(
-    dataset: xr.Dataset, path: str | PathLike[str], *, overwrite: bool = False
-) -> None:
-    """Write a sky dataset.
-
-    Args:
-        dataset: As `run_campaign` returns it.
-        path: Ends in .zarr for a zarr store, in .nc for a netCDF file.
-        overwrite: Replace a sky dataset that is there; nothing else is ever replaced.
-
-    Raises:
-        ValueError: Another ending; something is there that must not be replaced.
-    """
-    kind = check_suffix(path)
-    if Path(path).exists():
-        stored_attributes(path)
-        if not overwrite:
-            raise ValueError(f"{path}: exists already; give another name or overwrite=True")
-    if kind == ".zarr":
-        dataset.to_zarr(path, mode="w", consolidated=False)
-    else:
-        # A record that is replaced stays whole until the new one is.
-        begun = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-        try:
-            dataset.to_netcdf(begun, engine="netcdf4")
-            begun.replace(path)
-        finally:
-            begun.unlink(missing_ok=True)
-
-
-def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
-    """Read a sky dataset back.
-
-    Estimates of the error that were interrupted before every sky had one are left out.
-
-    Raises:
-        ValueError: The file is not one, is unfinished, or holds a NaN or an infinity.
-    """
-    stored_attributes(path)
-    dataset = _read(path)
-    if "done" in dataset:
-        done, total = int(dataset["done"].sum()), dataset["done"].size
-        if done < total:
-            raise ValueError(
-                f"{path}: {done} of {total} skies are done; run the same campaign into it again "
-                "to finish"
-            )
-        dataset = dataset.drop_vars("done")
-    if ERRORS in dataset and not covers(estimate_of(dataset), "all"):
-        dataset = dataset.drop_vars(ERRORS)  # interrupted before every sky had one
-    for name, array in dataset.data_vars.items():
-        bad = int(np.count_nonzero(~np.isfinite(array.values)))
-        if bad:
-            raise ValueError(f"{path}: {name} has {bad} non-finite values of {array.size}")
-    return dataset
-
-
-def check_suffix(path: str | PathLike[str]) -> str:
-    """The kind of file a name stands for, ".zarr" or ".nc".
-
-    Raises:
-        ValueError: It is neither.
-    """
-    suffix = Path(path).suffix
-    if suffix not in (".zarr", ".nc"):
-        raise ValueError(f"{path}: expected a name ending in .zarr or .nc")
-    return suffix
-
-
-def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
-    """Attributes of a sky dataset on disk.
-
-    Raises:
-        ValueError: There is none, or what is there is not a sky dataset of this schema.
-    """
-    kind = check_suffix(path)
-    if not Path(path).exists():
-        raise ValueError(f"{path}: not found")
-    try:
-        with _open(path, kind) as dataset:
-            attributes = dict(dataset.attrs)
-    except (OSError, ValueError, KeyError):
-        raise ValueError(f"{path}: exists and is not a sky dataset") from None
-    if (schema := attributes.get("schema", "missing")) != SCHEMA:
-        raise ValueError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
-    return attributes
-
-
-def versions() -> dict[str, str]:
-    """Versions of what makes the numbers."""
-    packages = {name: _version(name) for name in ("skyfit", "jax", "equinox", "numpy")}
-    return packages | {"python": platform.python_version()}
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:  # run from a source tree
-        return "unreleased"
-
-
-def _open(path: str | PathLike[str], kind: str) -> xr.Dataset:
-    if kind == ".zarr":
-        return xr.open_zarr(path, consolidated=False, chunks=None)
-    return xr.open_dataset(path, engine="netcdf4")
-
-
-def _read(path: str | PathLike[str]) -> xr.Dataset:
-    with _open(path, check_suffix(path)) as dataset:
-        return dataset.load()
+    plan = json.loads(dataset.attrs["campaign"])
+    if plan["atmosphere"].get("kind") == KIND:
+        plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])
+    return Campaign.from_dict(plan)
 
 
 def _dims(name: str, front: tuple[str, ...]) -> tuple[str, ...]:
@@ -256,25 +142,17 @@ def _describe_swept(campaign: Campaign) -> dict[str, str]:
 
 
 def _attributes(campaign: Campaign) -> dict[str, str]:
-    atmospheres = [_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    atmospheres = [to_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    plan = campaign.to_dict()
+    plan["atmosphere"].pop("atmospheres", None)  # what a program gave is on record once
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"
     return {
         "Conventions": "CF-1.11",
         "title": "Simulated clear-sky radiance",
-        "source": f"skyfit {_version('skyfit')}",
+        "source": f"skyfit {package_version('skyfit')}",
         **({"references": paper} if isinstance(campaign.atmosphere, PaperAtmosphere) else {}),
         "schema": SCHEMA,
-        "campaign": json.dumps(campaign.to_dict()),
+        "campaign": json.dumps(plan),
         "atmosphere": json.dumps(atmospheres),
         "versions": json.dumps(versions()),
     }
-
-
-def _plain(part: Any) -> Any:
-    """An atmosphere, part by part, as names and numbers."""
-    if isinstance(part, eqx.Module):
-        fields = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
-        return {"type": type(part).__name__} | {name: _plain(v) for name, v in fields.items()}
-    if isinstance(part, tuple):
-        return [_plain(one) for one in part]
-    return np.asarray(part).tolist()

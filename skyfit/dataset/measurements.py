@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .dataset import describe, sky_variables
+from .record import describe, sky_variables
 
 
 RELIABLE_COMMENT = "false for the low northern sample, which the instrument misjudged"

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..marcher import (
+from skyfit.marcher import (
     HeightField,
     MarchedAir,
     camera_rays,
@@ -14,7 +14,7 @@ from ..marcher import (
     scs_air,
     tone_map,
 )
-from ..plots import style
+from skyfit.plots import style
 
 
 def day_sheet(air: MarchedAir | None = None, frames: int = 128, size: int = 48) -> Figure:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from .._typing import ArrayLike
-from ..atmosphere import Atmosphere
-from ..campaign import Campaign, PaperAtmosphere
+from ..._typing import ArrayLike
+from ...atmosphere import Atmosphere
+from ..campaign import Campaign
+from ..description import PaperAtmosphere
 from .file import File
 from .section import one_line
 
@@ -26,8 +27,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
             defaults, `sims/README.md` those of atmospheres.
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: One line that names the file, the key, what was expected and what came.
-        OSError: The file cannot be read.
     """
     try:
         campaign = _read(path).campaign()
@@ -52,8 +53,8 @@ def load_atmosphere(
             parameter stands; the paper's atmosphere has a turbidity of 3.
 
     Raises:
+        FileNotFoundError: There is no such file.
         ValueError: One line that names the file, the key, what was expected and what came.
-        OSError: The file cannot be read.
     """
     try:
         file = _read(path)
@@ -66,9 +67,10 @@ def load_atmosphere(
         lam: Any = campaign.wavelengths if wavelengths is None else wavelengths
         lam = np.atleast_1d(np.asarray(lam, float))
         value = float(swept[str(name)]) if swept else None
-        if isinstance(campaign.atmosphere, PaperAtmosphere):
-            return campaign.atmosphere.build(PAPER_TURBIDITY if value is None else value, lam)
-        return campaign.atmosphere.build(lam, campaign.sweep, value)
+        air: Any = campaign.atmosphere
+        if isinstance(air, PaperAtmosphere):
+            return air.build(PAPER_TURBIDITY if value is None else value, lam)
+        return air.build(lam, campaign.sweep, value)
     except ValueError as error:
         raise _named(path, error) from None
 

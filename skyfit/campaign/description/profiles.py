@@ -1,7 +1,7 @@
 """Density profiles as files give them."""
 
-from .. import profile
-from ..preetham_air import ozone_layer
+from ... import profile
+from ...preetham_air import ozone_layer
 from .spectra import Part
 
 

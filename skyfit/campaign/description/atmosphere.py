@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import ArrayLike
 
-from ..atmosphere import Atmosphere, Refraction
+from ...atmosphere import Atmosphere, Refraction
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
 from .gases import GASES, build_gas, gas_coefficients, gas_profile
 from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
@@ -27,7 +27,7 @@ class DescribedAtmosphere:
 
     @classmethod
     def from_description(cls, description: Part) -> "DescribedAtmosphere":
-        """From tables that `skyfit.campaign_file` has checked."""
+        """From tables that `skyfit.campaign.file` has checked."""
         return cls(json.dumps(description, sort_keys=True))
 
     @property

@@ -20,13 +20,13 @@ such paths, not for the air above a summit.
 
 import numpy as np
 
-from .._typing import ArrayLike, as_scalar, check
-from ..atmosphere import Constituent
-from ..bands import Bands
-from ..constants import TOP_OF_ATMOSPHERE
-from ..phase import Rayleigh
-from ..profile import AbstractProfile, Exponential, StandardAtmosphere
-from ..tables import read_table
+from ..._typing import ArrayLike, as_scalar, check
+from ...atmosphere import Constituent
+from ...bands import Bands
+from ...constants import TOP_OF_ATMOSPHERE
+from ...phase import Rayleigh
+from ...profile import AbstractProfile, Exponential, StandardAtmosphere
+from ...tables import read_table
 from .spectra import Wavelengths
 
 

@@ -5,38 +5,33 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from ..campaign import (
+from ...preetham_air import PAPER_WAVELENGTHS, TURBIDITY_MEANINGS
+from ...transfer.quality import QUALITIES
+from ..campaign import GEOMETRIES, SCHEMA, Campaign
+from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
+from ..description.sweep import replaced, unit_of
+from ..directions import (
     PAPER_RELATIVE_AZIMUTHS_DEG,
     PAPER_SUN_ZENITHS_DEG,
     PAPER_TURBIDITIES,
     PAPER_VIEW_ZENITHS_DEG,
-    SCHEMA,
-    Campaign,
-    PaperAtmosphere,
     half_dome,
 )
-from ..description import DescribedAtmosphere, Sweep
-from ..description.sweep import replaced, unit_of
-from ..preetham_air import PAPER_WAVELENGTHS
+from ..swept import TAKEN
 from .aerosols import Constituent
-from .numbers import Increasing, Number, Numbers, ZeroOrMore
+from .numbers import Increasing, Number, Numbers, ZeroOrMore, one_of
 from .parts import Ground, Name, Planet, Sun
 from .section import Section
 
 
 Angles = tuple[Annotated[Number, Field(ge=0, le=180)], ...]
-# Of the dataset's own; a swept parameter needs another name.
-TAKEN = {
-    *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
-    *("radiance", "radiance_by_order", "luminance", "x", "y", "done", "error_estimate"),
-}
 
 
 class _Paper(Section):
     """The atmosphere of Preetham et al. (1999)."""
 
     kind: Literal["preetham1999"] = "preetham1999"
-    turbidity_means: Literal["optical thickness", "coefficients"] = "optical thickness"
+    turbidity_means: Annotated[Any, one_of(*TURBIDITY_MEANINGS)] = "optical thickness"
     ozone: bool = False
     ground_albedo: Annotated[Number, Field(ge=0, le=1)] = 0.0
 
@@ -83,8 +78,8 @@ class _Simulation(Section):
         Annotated[int, Field(ge=1)] | None,
         BeforeValidator(lambda value: None if value == "all" else value),
     ] = 2
-    geometry: Literal["spherical", "flat", "paper"] = "spherical"
-    quality: Literal["draft", "default", "high"] = "default"
+    geometry: Annotated[str, one_of(*GEOMETRIES)] = "spherical"
+    quality: Annotated[str, one_of(*QUALITIES)] = "default"
     observer_altitude_m: ZeroOrMore = 0.0
     keep_orders: bool = False
 

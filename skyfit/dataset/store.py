@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .campaign import Campaign
-from .dataset import check_suffix, sky_dataset, stored_attributes
+from ..campaign import Campaign
+from .files import check_suffix, stored_attributes
+from .record import sky_dataset
 
 
 # Two of these that differ would put skies of different kinds into one record.

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, StringConstraints, model_validator
 
-from ..constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from ...constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
 from .numbers import AboveZero, Number, Share, ZeroOrMore, over, spectral
 from .section import Section
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..constants import ASTRONOMICAL_UNIT, SUN_RADIUS
-from ..preetham_air import solar_irradiance
-from ..tables import read_table
+from ...constants import ASTRONOMICAL_UNIT, SUN_RADIUS
+from ...preetham_air import solar_irradiance
+from ...tables import read_table
 
 
 Part = dict[str, Any]

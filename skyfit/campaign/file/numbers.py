@@ -1,4 +1,4 @@
-"""Numbers, lists of numbers and spectra of campaign files."""
+"""Numbers, lists of numbers, spectra and choices of campaign files."""
 
 import csv
 import itertools
@@ -63,6 +63,18 @@ def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
         if after <= before:
             raise ValueError(f"expected increasing values; got {before:g} before {after:g}")
     return values
+
+
+def one_of(*choices: str) -> BeforeValidator:
+    """For an annotation: one of several words."""
+    *most, last = map(repr, choices)
+
+    def validate(given: Any) -> Any:
+        if given not in choices:
+            raise ValueError(f"expected {', '.join(most)} or {last}; got {given!r}")
+        return given
+
+    return BeforeValidator(validate)
 
 
 Numbers = BeforeValidator(expand)

@@ -11,18 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from ._typing import as_float
-from .atmosphere import Atmosphere
-from .campaign import Campaign
-from .dataset import (
-    check_suffix,
-    load_dataset,
-    save_dataset,
-    sky_dataset,
-    sky_variables,
-    with_errors,
-)
-from .error_estimate import (
+from .._progress import Progress, silent
+from .._typing import as_float
+from ..atmosphere import Atmosphere
+from ..campaign import Campaign
+from ..error_estimate import (
     CHECKS,
     ERRORS,
     covers,
@@ -32,9 +25,11 @@ from .error_estimate import (
     sum_up,
     warn_where_large,
 )
+from ..transfer.simulate_sky import coarser_radiance, simulate
+from ..transfer.trust import estimated_error, refuse_impossible
+from .files import check_suffix, load_dataset, save_dataset
+from .record import sky_dataset, sky_variables, with_errors
 from .store import SkyStore, empty_skies, refuse_another
-from .transfer.simulate_sky import coarser_radiance, simulate
-from .transfer.trust import estimated_error, refuse_impossible
 
 
 class _Job(NamedTuple):
@@ -61,12 +56,12 @@ class _Run(NamedTuple):
     places: list[_Place]
     suns_per_call: int
     workers: int
-    progress: Callable[[int, int], None]
+    progress: Progress
 
 
 def run_campaign(
     campaign: Campaign,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     store: str | PathLike[str] | None = None,
     *,
     workers: int = 1,
@@ -77,8 +72,8 @@ def run_campaign(
 
     Args:
         campaign: What to simulate.
-        progress: Called as `progress(done, total)` with numbers of skies; those whose error is
-            estimated afterwards are counted on.
+        progress: Called as `progress("skies", done, total)`, and after that, where errors are
+            estimated, as `progress("error estimate", done, total)`; both count skies.
         store: A name ending in .zarr or .nc to save the skies under. A .zarr store keeps every
             finished sky: the same call continues it after an interruption.
         workers: Threads that run the compiled program side by side.
@@ -118,7 +113,7 @@ def run_campaign(
         for value in campaign.swept[1]
     ]
     template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
-    run = _Run(campaign, places, suns_per_call, workers, progress or (lambda done, total: None))
+    run = _Run(campaign, places, suns_per_call, workers, progress or silent)
     kept, dataset = None, None
     if store is not None and check_suffix(store) == ".zarr":
         kept = SkyStore(store, template)
@@ -147,7 +142,7 @@ def _simulated(run: _Run, template: xr.Dataset, kept: SkyStore | None) -> xr.Dat
     if kept is not None:
         done = kept.done()
         variables = {name: kept.read(name) for name in variables}
-    run.progress(int(done.sum()), done.size)
+    run.progress("skies", int(done.sum()), done.size)
     for piece in _pieces(run, ~done, run.suns_per_call, _skies):
         for sky, one in piece:
             for name, array in one.items():
@@ -155,7 +150,7 @@ def _simulated(run: _Run, template: xr.Dataset, kept: SkyStore | None) -> xr.Dat
             if kept is not None:
                 kept.write(sky, one)
             done[sky] = True
-        run.progress(int(done.sum()), done.size)
+        run.progress("skies", int(done.sum()), done.size)
     dataset = sky_dataset(run.campaign, variables)
     if kept is not None and ERRORS in kept.attributes:
         dataset = dataset.assign_attrs({ERRORS: kept.attributes[ERRORS]})
@@ -175,15 +170,15 @@ def _estimated(run: _Run, dataset: xr.Dataset, skies: str, kept: SkyStore | None
         if kept is not None:
             errors = kept.add(ERRORS, with_errors(dataset, errors)[ERRORS])
             left = np.isnan(errors[..., 0, 0])
-    done, total = campaign.num_skies, campaign.num_skies + int(chosen.sum())
-    run.progress(total - int(left.sum()), total)
+    total = int(chosen.sum())
+    run.progress("error estimate", total - int(left.sum()), total)
     for piece in _pieces(run, left, size, _coarser_skies):
         for sky, one in piece:
             errors[sky] = estimated_error(radiance[sky], one["radiance"])
             if kept is not None and skies == "all":
                 kept.put(ERRORS, sky, errors[sky])
-        done = campaign.num_skies + int((chosen & np.isfinite(errors[..., 0, 0])).sum())
-        run.progress(done, total)
+        done = int((chosen & np.isfinite(errors[..., 0, 0])).sum())
+        run.progress("error estimate", done, total)
     record = recorded(sum_up(campaign, skies, errors))
     if kept is not None:
         kept.put_attributes(record)

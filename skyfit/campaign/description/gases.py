@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import constants
-from ..atmosphere import Constituent
-from ..phase import Rayleigh
-from ..preetham_air import rayleigh_scattering, table2
-from ..profile import AbstractProfile, Squared
-from ..tables import read_table
+from ... import constants
+from ...atmosphere import Constituent
+from ...phase import Rayleigh
+from ...preetham_air import rayleigh_scattering, table2
+from ...profile import AbstractProfile, Squared
+from ...tables import read_table
 from .bands import oxygen, water_vapour
 from .profiles import build_profile
 from .spectra import Part, Wavelengths, spectrum_at

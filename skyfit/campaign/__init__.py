@@ -1,0 +1,19 @@
+"""Which skies to simulate: campaigns, their files, and the atmospheres that files describe.
+
+`skyfit.campaign.file` reads campaign files; it is imported apart, for it brings pydantic.
+"""
+
+from .campaign import GEOMETRIES as GEOMETRIES, SCHEMA as SCHEMA, Campaign as Campaign
+from .description import (
+    DescribedAtmosphere as DescribedAtmosphere,
+    PaperAtmosphere as PaperAtmosphere,
+    Sweep as Sweep,
+)
+from .directions import (
+    PAPER_RELATIVE_AZIMUTHS_DEG as PAPER_RELATIVE_AZIMUTHS_DEG,
+    PAPER_SUN_ZENITHS_DEG as PAPER_SUN_ZENITHS_DEG,
+    PAPER_TURBIDITIES as PAPER_TURBIDITIES,
+    PAPER_VIEW_ZENITHS_DEG as PAPER_VIEW_ZENITHS_DEG,
+    half_dome as half_dome,
+    paper_directions as paper_directions,
+)

@@ -1,0 +1,250 @@
+"""Which skies to simulate: an atmosphere, the parameter it is swept over, suns and directions."""
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..atmosphere import Atmosphere
+from ..preetham_air import PAPER_WAVELENGTHS
+from ..transfer.quality import QUALITIES
+from .checks import axis_of, one_of
+from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
+from .description.sweep import OBSERVER_ALTITUDE
+from .directions import PAPER_SUN_ZENITHS_DEG, Values, paper_directions
+from .given import (
+    KIND,
+    AtmosphereFunction,
+    build_given,
+    call_given,
+    given_of,
+    given_record,
+)
+from .swept import find_swept
+
+
+GEOMETRIES = ("spherical", "flat", "paper")
+
+SCHEMA = "skyfit/campaign/1"
+
+
+Described = PaperAtmosphere | DescribedAtmosphere  # what can be described in words
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Campaign:
+    """The skies to simulate; `Campaign()` is the paper's 5 turbidities × 12 suns × 343 directions.
+
+    Two campaigns are equal if the same skies come of them. An atmosphere that a program gives is
+    compared number by number; a function is called once for each value, here.
+
+    Args:
+        turbidity: Swept turbidities, increasing, 1 or more, of the paper's atmosphere or of a
+            function that takes a turbidity; the paper's five by default.
+        sun_zenith: Zenith angles of the sun, increasing, in [0, π] [rad].
+        view_zenith: Zenith angle of every direction, in [0, π] [rad].
+        relative_azimuth: Azimuth of every direction from the sun, as many as `view_zenith` [rad].
+        wavelengths: Wavelengths, increasing; by default those of an `Atmosphere`, else 380 to 780
+            by 10 [nm].
+        atmosphere: Air that the sky is made of; the paper's by default. An `Atmosphere`; a function
+            that is called with the swept value under its name, as in `air(turbidity=3.0)`, and
+            returns one; a `PaperAtmosphere`; or the atmosphere of a campaign file.
+        orders: Orders of scattering, 1 or more; None for all.
+        geometry: "spherical", "flat" or "paper" (flat where the view zenith is below 70°).
+        quality: Size of the simulator's quadratures: "draft", "default" or "high".
+        observer_altitude: Altitude of the observer, 0 or more [m].
+        keep_orders: Whether to keep the radiance of each order of scattering too.
+        sweep: Parameter of a function other than turbidity with its values, increasing, as in
+            `{"dust": [0.1, 0.2]}`; `{"observer_altitude": [...]}` [m] of an `Atmosphere`. None
+            where nothing else than a turbidity is swept.
+
+    Raises:
+        ValueError: Naming the argument, what was expected and what came.
+    """
+
+    turbidity: tuple[float, ...]
+    sun_zenith: tuple[float, ...]
+    view_zenith: tuple[float, ...]
+    relative_azimuth: tuple[float, ...]
+    wavelengths: tuple[float, ...]
+    atmosphere: Described | Atmosphere | AtmosphereFunction
+    orders: int | None
+    geometry: str
+    quality: str
+    observer_altitude: float
+    keep_orders: bool
+    sweep: Sweep | None
+    _built: tuple[Atmosphere, ...] = field(init=False, repr=False)
+
+    def __init__(
+        self,
+        turbidity: Values | None = None,
+        sun_zenith: Values | None = None,
+        view_zenith: Values | None = None,
+        relative_azimuth: Values | None = None,
+        wavelengths: Values | None = None,
+        atmosphere: Described | Atmosphere | AtmosphereFunction | None = None,
+        orders: int | None = 2,
+        geometry: str = "spherical",
+        quality: str = "default",
+        observer_altitude: float = 0.0,
+        keep_orders: bool = False,
+        sweep: Sweep | Mapping[str, Values] | None = None,
+    ):
+        if (view_zenith is None) != (relative_azimuth is None):
+            raise ValueError(
+                "Campaign: view_zenith and relative_azimuth describe the directions together; "
+                "got only one of them"
+            )
+        if sun_zenith is None:
+            sun_zenith = np.radians(PAPER_SUN_ZENITHS_DEG)
+        if view_zenith is None or relative_azimuth is None:
+            view_zenith, relative_azimuth = paper_directions()
+        angles = axis_of("view_zenith", view_zenith, 0.0, np.pi, increasing=False)
+        azimuths = axis_of("relative_azimuth", relative_azimuth, -np.inf, np.inf, increasing=False)
+        if len(angles) != len(azimuths):
+            raise ValueError(
+                "Campaign: expected as many relative_azimuth as view_zenith, one a direction; "
+                f"got {len(azimuths)} and {len(angles)}"
+            )
+        if orders is not None and (isinstance(orders, bool) or orders < 1):
+            raise ValueError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
+        one_of("Campaign", "geometry", geometry, GEOMETRIES)
+        one_of("Campaign", "quality", quality, tuple(QUALITIES))
+        if not 0 <= observer_altitude < np.inf:
+            raise ValueError(
+                f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
+            )
+        atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
+        turbidities, sweep = find_swept(atmosphere, turbidity, sweep)
+        built: tuple[Atmosphere, ...] = ()
+        if not isinstance(atmosphere, Described):
+            name, values = _swept(turbidities, sweep)
+            built = build_given(atmosphere, name, values)
+            wavelengths = _wavelengths_of(built[0], wavelengths)
+        elif wavelengths is None:
+            wavelengths = PAPER_WAVELENGTHS
+        fields = {
+            "turbidity": turbidities,
+            "sun_zenith": axis_of("sun_zenith", sun_zenith, 0.0, np.pi),
+            "view_zenith": angles,
+            "relative_azimuth": azimuths,
+            "wavelengths": axis_of("wavelengths", wavelengths, 1.0, 1e6),
+            "atmosphere": atmosphere,
+            "orders": orders,
+            "geometry": geometry,
+            "quality": quality,
+            "observer_altitude": float(observer_altitude),
+            "keep_orders": keep_orders,
+            "sweep": sweep,
+            "_built": built,
+        }
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def swept(self) -> tuple[str | None, tuple[float, ...]]:
+        """Name and values of the swept parameter, the first dimension of the dataset.
+
+        The name is None, and the only value NaN, where nothing is swept.
+        """
+        return _swept(self.turbidity, self.sweep)
+
+    @property
+    def sky_dims(self) -> tuple[str, ...]:
+        """Dimensions of the dataset that tell skies apart."""
+        name = self.swept[0]
+        return ("sun_zenith",) if name is None else (name, "sun_zenith")
+
+    @property
+    def sky_shape(self) -> tuple[int, ...]:
+        """Sizes of these dimensions."""
+        sizes = len(self.swept[1]), len(self.sun_zenith)
+        return sizes[-len(self.sky_dims) :]
+
+    @property
+    def num_skies(self) -> int:
+        """Skies, that is values of the swept parameter times suns."""
+        return len(self.swept[1]) * len(self.sun_zenith)
+
+    def build_atmosphere(self, value: float) -> Atmosphere:
+        """The atmosphere for one value of the swept parameter."""
+        wavelengths = np.asarray(self.wavelengths)
+        if isinstance(self.atmosphere, PaperAtmosphere):
+            return self.atmosphere.build(value, wavelengths)
+        if isinstance(self.atmosphere, DescribedAtmosphere):
+            return self.atmosphere.build(wavelengths, self.sweep, value)
+        if isinstance(self.atmosphere, Atmosphere):
+            return self.atmosphere
+        name, values = self.swept
+        if value in values:
+            return self._built[values.index(value)]
+        return call_given(self.atmosphere, str(name), value)
+
+    def observer_altitude_at(self, value: float) -> float:
+        """Altitude of the observer for one value of the swept parameter [m]."""
+        swept = self.sweep is not None and self.sweep.key == OBSERVER_ALTITUDE
+        return value if swept else self.observer_altitude
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain numbers and words, for JSON."""
+        fields = {one.name: getattr(self, one.name) for one in dataclasses.fields(self) if one.init}
+        air = self.atmosphere
+        ours = isinstance(air, Described)
+        fields["atmosphere"] = air.to_dict() if ours else given_record(self._built)
+        fields["sweep"] = None if self.sweep is None else dataclasses.asdict(self.sweep)
+        return {"schema": SCHEMA, **fields}
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> "Campaign":
+        """Undo `to_dict`.
+
+        Raises:
+            ValueError: The record is of another schema, or a value is impossible.
+        """
+        fields = dict(record)
+        if (schema := fields.pop("schema", "missing")) != SCHEMA:
+            raise ValueError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
+        fields["turbidity"] = fields["turbidity"] or None
+        fields["sweep"] = Sweep(**fields["sweep"]) if fields.get("sweep") else None
+        kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
+        if kind == KIND:
+            swept = _swept(tuple(fields["turbidity"] or ()), fields["sweep"])
+            fields["atmosphere"] = given_of(fields["atmosphere"], *swept)
+        else:
+            home = PaperAtmosphere if kind == PaperAtmosphere.kind else DescribedAtmosphere
+            fields["atmosphere"] = home.from_dict(fields["atmosphere"])
+        return cls(**fields)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the same skies come of both."""
+        return isinstance(other, Campaign) and self.to_dict() == other.to_dict()
+
+    def __hash__(self) -> int:
+        """The same for campaigns that are equal."""
+        return hash(json.dumps(self.to_dict()))
+
+
+def _swept(
+    turbidity: tuple[float, ...], sweep: Sweep | None
+) -> tuple[str | None, tuple[float, ...]]:
+    if sweep is not None:
+        return sweep.name, tuple(sweep.values)
+    return ("turbidity", turbidity) if turbidity else (None, (np.nan,))
+
+
+def _wavelengths_of(air: Atmosphere, given: Values | None) -> Values:
+    """Wavelengths of a program's atmosphere; those that were given must be the same."""
+    own = np.asarray(air.wavelengths, float)
+    if given is None:
+        return own
+    asked = np.atleast_1d(np.asarray(given, float))
+    if asked.shape != own.shape or not np.allclose(asked, own, rtol=1e-6):
+        raise ValueError(
+            f"Campaign(wavelengths=...): expected those of the atmosphere, {own.size} from "
+            f"{own[0]:g} to {own[-1]:g} nm; got {asked.size} from {asked[0]:g} to {asked[-1]:g} nm"
+        )
+    return asked
