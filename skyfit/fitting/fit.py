@@ -11,7 +11,7 @@ from ..models.distribution import AbstractDistribution
 from ..models.formula import CHANNELS
 from ..models.perez import COEFFICIENTS, Perez
 from ..provenance import versions
-from .batch import BatchFit, evaluate, fit_groups, terms_of
+from .batch import BatchFit, evaluate, fit_groups
 from .channels import Channels, read_channels
 from .choices import (
     MAX_VIEW_ZENITH,
