@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .campaign import Campaign
+from .errors import InputError
 from .transfer.quality import QUALITIES, coarser
 from .transfer.trust import SHARE_OF_DISTANCE, TOLERANCE, AccuracyWarning
 
@@ -138,7 +139,7 @@ def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
     """The error estimate that a simulated dataset has on record; None if it has none.
 
     Raises:
-        ValueError: Another version wrote it, with other fields.
+        InputError: Another version wrote it, with other fields.
     """
     if ERRORS not in dataset.attrs:
         return None
@@ -146,7 +147,7 @@ def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
     expected = {field.name for field in dataclasses.fields(ErrorEstimate)}
     if set(found) != expected:
         odd = ", ".join(sorted(set(found) ^ expected))
-        raise ValueError(
+        raise InputError(
             f"dataset: attribute {ERRORS!r} is of another version; it differs in {odd}"
         )
     return ErrorEstimate(**found)

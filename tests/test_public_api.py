@@ -23,6 +23,7 @@ PUBLIC = {
     "Constituent",
     "Dependence",
     "FormulaFit",
+    "InputError",
     "PaperAtmosphere",
     "Refraction",
     "Sensitivity",

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from ..transfer.line_classes import LineClasses, all_alike
 from . import closed, integrals, layers as along
 from .base import AbstractAerialPerspective
@@ -122,12 +123,12 @@ def aerial_perspective(
             not given.
 
     Raises:
-        ValueError: An unknown method or channel, a bad turbidity or sun; wavelengths or an albedo
+        InputError: An unknown method or channel, a bad turbidity or sun; wavelengths or an albedo
             beside an atmosphere, which has its own.
     """
     if method not in METHODS:
         names = ", ".join(repr(name) for name in METHODS)
-        raise ValueError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
+        raise InputError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
     check_channels(channels, "aerial_perspective")
     sun = one_sun(sun_zenith, "aerial_perspective")
     air = layered_air(atmosphere, wavelengths, ground_albedo, "aerial_perspective")

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._typing import as_scalar, check
+from ..errors import InputError
 from ..fitting import FormulaFit, SkyFit
 from .models import MODELS, Conditions, Entry, HasColour
 
@@ -49,7 +50,7 @@ def compare_skies(
         valid range; `white`, what counts as luminance 1 where the model knows no cd m⁻², or None.
 
     Raises:
-        ValueError: A sun or turbidity out of range, or a fit of something else than turbidity.
+        InputError: A sun or turbidity out of range, or a fit of something else than turbidity.
     """
     sun = as_scalar(sun_zenith, "compare_skies(sun_zenith=...)")
     haze = as_scalar(turbidity, "compare_skies(turbidity=...)")
@@ -63,7 +64,7 @@ def compare_skies(
 
 def _entry(name: str, fit: SkyFit | FormulaFit) -> Entry:
     if fit.parameter_name not in (None, "turbidity"):
-        raise ValueError(
+        raise InputError(
             f"compare_skies(fits=...): {name} is a fit over {fit.parameter_name!r}, "
             f"expected turbidity or nothing"
         )

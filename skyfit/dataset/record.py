@@ -19,6 +19,7 @@ from ..campaign.given import KIND
 from ..campaign.plain import to_plain
 from ..colour import spectrum_to_xyY
 from ..error_estimate import ERRORS
+from ..errors import InputError
 from ..provenance import package_version, versions
 
 
@@ -111,10 +112,10 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     """The campaign that made a simulated dataset, from its attributes alone.
 
     Raises:
-        ValueError: The dataset was not simulated, or by an incompatible version.
+        InputError: The dataset was not simulated, or by an incompatible version.
     """
     if "campaign" not in dataset.attrs:
-        raise ValueError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
+        raise InputError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
     plan = json.loads(dataset.attrs["campaign"])
     if plan["atmosphere"].get("kind") == KIND:
         plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])

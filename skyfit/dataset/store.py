@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ..campaign import Campaign
+from ..errors import InputError
 from .files import check_suffix, stored_attributes
 from .record import sky_dataset
 
@@ -29,14 +30,14 @@ class SkyStore:
         template: The campaign's dataset with NaN for every sky.
 
     Raises:
-        ValueError: Something else is there, or a store of another campaign.
+        InputError: Something else is there, or a store of another campaign.
     """
 
     def __init__(self, path: str | PathLike[str], template: xr.Dataset):
         import zarr
 
         if check_suffix(path) != ".zarr":
-            raise ValueError(f"{path}: only a .zarr store can be filled sky by sky")
+            raise InputError(f"{path}: only a .zarr store can be filled sky by sky")
         self.path = Path(path)
         if self.path.exists():
             refuse_another(self.path, template)
@@ -61,7 +62,7 @@ class SkyStore:
     def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
         if self._done is None:
-            raise ValueError(f"{self.path}: is complete; no sky can be added")
+            raise InputError(f"{self.path}: is complete; no sky can be added")
         for name, array in variables.items():
             self._arrays[name][sky] = array
         self._done[sky] = 1
@@ -118,14 +119,14 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
     """Refuse a dataset on disk that this campaign did not make.
 
     Raises:
-        ValueError: It is of another campaign, version or precision, or no sky dataset at all.
+        InputError: It is of another campaign, version or precision, or no sky dataset at all.
     """
     found = stored_attributes(path)
     for name in IDENTITY:
         if found.get(name) != template.attrs[name]:
             made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
             how = made.get(name, "by another campaign")
-            raise ValueError(f"{path}: was made {how}; give another name")
+            raise InputError(f"{path}: was made {how}; give another name")
 
 
 def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:
@@ -143,7 +144,7 @@ def _array(group: Any, name: str) -> Any:
 
     array = group[name]
     if not isinstance(array, zarr.Array):
-        raise ValueError(f"{group.store}: {name} is not an array")
+        raise InputError(f"{group.store}: {name} is not an array")
     return array
 
 

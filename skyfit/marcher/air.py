@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, Scalar, as_parameter, as_scalar, check
 from ..atmosphere import Atmosphere, Constituent
 from ..constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from ..errors import InputError
 from ..phase import CornetteShanks, Rayleigh
 from ..profile import Exponential
 
@@ -96,7 +97,7 @@ def scs_air(
         top_altitude: Of the air [m].
 
     Raises:
-        ValueError: A value out of its range.
+        InputError: A value out of its range.
     """
     scattering = _colour(mie, "mie")
     ratio = _number(mie_extinction_ratio, "mie_extinction_ratio", 1.0)
@@ -122,7 +123,7 @@ def scs_atmosphere() -> Atmosphere:
 def _colour(value: ArrayLike, name: str) -> Float[Array, " 3"]:
     beta = as_parameter(value)
     if beta.shape not in ((), (3,)):
-        raise ValueError(f"scs_air({name}=...): expected one value or three; got {beta.shape}")
+        raise InputError(f"scs_air({name}=...): expected one value or three; got {beta.shape}")
     message = f"scs_air({name}=...) must be 0 or more"
     return jnp.broadcast_to(check(beta, lambda v: ~((v >= 0) & (v < np.inf)), message), (3,))
 

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._typing import ArrayLike, Scalar, as_parameter, as_scalar, check
+from ..errors import InputError
 
 
 class HeightField(eqx.Module):
@@ -24,7 +25,7 @@ class HeightField(eqx.Module):
     def __init__(self, altitude: ArrayLike, spacing: ArrayLike, corner: ArrayLike | None = None):
         grid = as_parameter(altitude)
         if grid.ndim != 2 or min(grid.shape) < 2:
-            raise ValueError(f"HeightField(altitude=...): expected [y, x]; got shape {grid.shape}")
+            raise InputError(f"HeightField(altitude=...): expected [y, x]; got shape {grid.shape}")
         self.altitude = grid
         step = as_scalar(spacing, "HeightField(spacing=...)")
         message = "HeightField(spacing=...) must be above 0 m"

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..colour import PAPER_CHANNELS
+from ..errors import InputError
 from ..fitting import SkyFit
 from ..models.perez import CHANNELS as MODEL_CHANNELS, COEFFICIENTS
 from ..models.preetham import published_coefficients
@@ -17,10 +18,10 @@ def coefficient_chart(fit: SkyFit) -> Figure:
         fit: The published lines are drawn if it was swept over turbidity.
 
     Raises:
-        ValueError: Nothing was swept.
+        InputError: Nothing was swept.
     """
     if fit.parameter_name is None:
-        raise ValueError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
+        raise InputError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
     with style.house_style():
         return _drawn(fit, fit.parameter_name)
 

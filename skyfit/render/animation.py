@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._progress import Progress
+from ..errors import InputError
 from ..sun import sun_position
 from .cameras import AbstractCamera
 from .files import check_target
@@ -34,13 +35,13 @@ def day_of_suns(
         lowest: Zenith angle at which the day begins and ends [rad].
 
     Raises:
-        ValueError: The sun stays lower all day.
+        InputError: The sun stays lower all day.
     """
     hours = np.arange(0, 24, _STEP)
     position = sun_position(latitude, 0.0, day_of_year, hours, 0.0)
     up = hours[np.asarray(position.zenith) <= lowest]
     if up.size == 0:
-        raise ValueError(
+        raise InputError(
             f"day_of_suns: expected a day on which the sun comes within {np.degrees(lowest):.1f} "
             f"degrees of the zenith; got latitude {np.degrees(latitude):.6g}, day {day_of_year}"
         )
@@ -86,13 +87,13 @@ def animate(
         The file, how many frames, and the lowest and highest exposure value.
 
     Raises:
-        ValueError: Another ending, a file is there, no frame; frames of another animation.
+        InputError: Another ending, a file is there, no frame; frames of another animation.
     """
     kind = check_target(path, overwrite)
     if kind not in (".gif", ".apng"):
-        raise ValueError(f"{path}: expected a name ending in .gif or .apng for many pictures")
+        raise InputError(f"{path}: expected a name ending in .gif or .apng for many pictures")
     if len(suns) == 0:
-        raise ValueError("animate(suns=...): expected one or more; got none")
+        raise InputError("animate(suns=...): expected one or more; got none")
     suns = np.asarray(suns, float)
     record = animation_record(source, camera, suns, options)
     kept = None

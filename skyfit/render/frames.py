@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from ..errors import InputError
 from ..provenance import versions
 from .cameras import AbstractCamera
 from .identity import UnknownError, digest
@@ -56,7 +57,7 @@ class FrameStore:
         shape: Rows and columns.
 
     Raises:
-        ValueError: There are frames of another animation, or something else.
+        InputError: There are frames of another animation, or something else.
     """
 
     def __init__(
@@ -119,11 +120,11 @@ class FrameStore:
             found = json.loads((self.directory / _RECORD).read_bytes())
             differing = [name for name in _ANOTHER if found.get(name) != record[name]]
         except (OSError, ValueError, AttributeError):
-            raise ValueError(
+            raise InputError(
                 f"{self.directory}: expected frames of an animation; found something else"
             ) from None
         if differing:
-            raise ValueError(
+            raise InputError(
                 f"{self.directory}: holds frames {_ANOTHER[differing[0]]}; give the picture "
                 "another name, or remove them to begin anew"
             )

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..errors import InputError
 from .sources import AbstractSource
 from .tone import luminance
 
@@ -21,18 +22,18 @@ def refuse_impossible_light(
         what: Is seen, for the message.
 
     Raises:
-        ValueError: There is other light.
+        InputError: There is other light.
     """
     broken = np.any(~np.isfinite(rgb), axis=-1)
     if broken.any():
-        raise ValueError(
+        raise InputError(
             f"{what}: expected finite light; got NaN or infinity in {_some(broken)} pixels"
         )
     light = luminance(rgb)
     rounding = _ROUNDING * np.max(np.abs(rgb[weight > 0]), initial=0.0)
     below = light < -rounding
     if below.any():
-        raise ValueError(
+        raise InputError(
             f"{what}: expected a luminance of 0 cd/m2 or more; got {light.min():.4g} at worst, "
             f"below 0 in {_some(below)} pixels"
         )
@@ -53,10 +54,10 @@ def refuse_black_day(
         sky: Which pixels are of the sky alone, above the horizontal.
 
     Raises:
-        ValueError: There is none.
+        InputError: There is none.
     """
     if sky.any() and source.is_day(sun_zenith) and not (luminance(rgb[sky]) > 0).any():
-        raise ValueError(
+        raise InputError(
             f"{source.name}: expected a bright sky under a sun "
             f"{90 - np.degrees(sun_zenith):.4g} deg high; got a black one"
         )

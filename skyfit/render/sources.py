@@ -9,6 +9,7 @@ from jaxtyping import Float
 from .._typing import as_scalar
 from ..atmosphere import Atmosphere
 from ..colour import spectrum_to_xyz, xyY_to_xyz
+from ..errors import InputError
 from ..models.base import AbstractSkyModel
 from ..sun.light import sun_xyY, visible_fraction
 from .cameras import direction_of
@@ -45,7 +46,7 @@ class AbstractSource(abc.ABC):
         """Mean CIE XYZ [cd m⁻²] of the sun's disc as it is seen; 0 if set.
 
         Raises:
-            ValueError: It is not known what dims the sun of this source.
+            InputError: It is not known what dims the sun of this source.
         """
 
     def is_day(self, sun_zenith: float) -> bool:
@@ -94,10 +95,10 @@ def sun_through_haze(
     """Mean CIE XYZ [cd m⁻²] of what is above the horizon of the sun's disc; see `skyfit.sunlight`.
 
     Raises:
-        ValueError: The turbidity is not known.
+        InputError: The turbidity is not known.
     """
     if turbidity is None:
-        raise ValueError(
+        raise InputError(
             f"{name}: what dims the sun is unknown; expected a turbidity, or a picture without the "
             "sun's disc"
         )

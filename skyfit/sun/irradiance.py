@@ -41,7 +41,7 @@ def clear_sky_irradiance(
         ground_albedo: Of the ground, which lights the sky from below.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
 
     Source: Bird & Hulstrom (1981), "A simplified clear sky model for direct and diffuse insolation
     on horizontal surfaces", SERI/TR-642-761.

@@ -54,7 +54,7 @@ def sunlight(
         Wavelength last [W m⁻² sr⁻¹ nm⁻¹].
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; a distance outside 0 to 1; wavelengths that do not
+        InputError: Turbidity below 1 or NaN; a distance outside 0 to 1; wavelengths that do not
             increase.
     """
     lam = as_wavelengths(wavelengths, "sunlight(wavelengths=...)")

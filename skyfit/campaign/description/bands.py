@@ -24,6 +24,7 @@ from ..._typing import ArrayLike, as_scalar, check
 from ...atmosphere import Constituent
 from ...bands import Bands
 from ...constants import TOP_OF_ATMOSPHERE
+from ...errors import InputError
 from ...phase import Rayleigh
 from ...profile import AbstractProfile, Exponential, StandardAtmosphere
 from ...tables import read_table
@@ -59,7 +60,7 @@ def water_vapour(
         top_altitude: Of the atmosphere [m].
 
     Raises:
-        ValueError: There are wavelengths beyond 800 nm, or an amount out of its range.
+        InputError: There are wavelengths beyond 800 nm, or an amount out of its range.
     """
     density = Exponential(WATER_VAPOUR_HEIGHT) if density is None else density
     bands = water_vapour_bands(wavelengths, 1.0, 1.0)
@@ -90,7 +91,7 @@ def oxygen(
         top_altitude: Of the atmosphere [m].
 
     Raises:
-        ValueError: There are wavelengths beyond 800 nm, or a negative pressure.
+        InputError: There are wavelengths beyond 800 nm, or a negative pressure.
     """
     density = StandardAtmosphere() if density is None else density
     bands = mixed_gas_bands(wavelengths, 1.0)
@@ -148,7 +149,7 @@ def _coefficient(column: str, wavelengths: ArrayLike) -> Wavelengths:
     given = np.isfinite(table[column])
     lam = np.atleast_1d(np.asarray(wavelengths, float))
     if not (lam <= LONGEST).all():
-        raise ValueError(
+        raise InputError(
             f"bands of water vapour and oxygen are known up to {LONGEST:g} nm; got {lam.max():g}"
         )
     return np.interp(lam, table["wavelength_nm"][given], table[column][given])
