@@ -43,10 +43,10 @@ class ErrorEstimate:
         share_of_distance: Share of the distance that is the estimate.
         worst: The largest estimate [1].
         rms: Root mean square [1].
-        median: [1].
-        tolerance: What is warned of [1].
+        median: Median [1].
+        tolerance: Estimate above which is warned [1].
         share_above: Share of the radiances whose estimate is above the tolerance [1].
-        worst_at: Where the worst is: the value of what is swept, under its name; `sun_zenith`,
+        worst_at: Place of the worst: the value of what is swept, under its name; `sun_zenith`,
             `view_zenith`, `relative_azimuth` [rad]; `wavelength` [nm].
     """
 
@@ -101,10 +101,10 @@ def sum_up(
     """Sum the estimates of a campaign up.
 
     Args:
-        campaign: What was simulated.
+        campaign: Campaign that was simulated.
         skies: "sample" or "all".
-        errors: Over the campaign's `sky_dims`, direction and wavelength; NaN where a sky was not
-            checked.
+        errors: Errors over the campaign's `sky_dims`, direction and wavelength; NaN where a sky
+            was not checked.
     """
     known = errors[np.isfinite(errors)].astype(float)
     place = np.unravel_index(np.nanargmax(errors), errors.shape)
@@ -168,8 +168,8 @@ def warn_where_large(estimate: ErrorEstimate, quality: str) -> None:
     """Warn in one line where a campaign's estimated error exceeds what is tolerated.
 
     Args:
-        estimate: Of the campaign.
-        quality: Of the campaign.
+        estimate: Error estimate of the campaign.
+        quality: Quality of the campaign.
     """
     if estimate.worst <= estimate.tolerance:
         return

@@ -26,10 +26,10 @@ class Air(NamedTuple):
     """What lies between eye and object.
 
     Attributes:
-        atmosphere: As it was given.
-        plain: The same without bands: a channel for every wavelength and class of lines.
-        layers: Of the latter, exponential.
-        classes: Which channels make up a wavelength.
+        atmosphere: Atmosphere as it was given.
+        plain: Atmosphere without bands: a channel for every wavelength and class of lines.
+        layers: Exponential layers of the atmosphere without bands.
+        classes: Classes of lines, whose channels make up a wavelength.
     """
 
     atmosphere: Atmosphere

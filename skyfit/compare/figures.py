@@ -37,10 +37,10 @@ def compare_skies(
 
     Args:
         sun_zenith: Zenith angle of the sun, in [0, π] [rad].
-        turbidity: 1 or more.
+        turbidity: Turbidity, 1 or more.
         fits: Fits to be rows as well, by name.
-        models: Which models; all that are known by default. Those whose package is not installed
-            are left out.
+        models: Names of the models; all that are known by default. Those whose package is not
+            installed are left out.
 
     Returns:
         For each model its `model` name; `luminance` [cd m⁻²] at the zenith, at 45° on the sun's

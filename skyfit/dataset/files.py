@@ -22,8 +22,8 @@ def save_dataset(
     """Write a sky dataset.
 
     Args:
-        dataset: As `run_campaign` returns it.
-        path: Ends in .zarr for a zarr store, in .nc for a netCDF file.
+        dataset: Skies as `run_campaign` returns them.
+        path: Name that ends in .zarr for a zarr store, in .nc for a netCDF file.
         overwrite: Replace a sky dataset that is there; nothing else is ever replaced.
 
     Raises:

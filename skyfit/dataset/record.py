@@ -49,8 +49,8 @@ def sky_dataset(campaign: Campaign, variables: dict[str, np.ndarray]) -> xr.Data
     """Put simulated skies on record.
 
     Args:
-        campaign: What was simulated.
-        variables: From `sky_variables`, with the campaign's `sky_dims` before their axes.
+        campaign: Campaign that was simulated.
+        variables: Arrays of `sky_variables`, with the campaign's `sky_dims` before their axes.
     """
     swept, values = campaign.swept
     front = campaign.sky_dims
@@ -83,9 +83,9 @@ def sky_variables(
     """Radiance, and the luminance and chromaticity it has where there is a spectrum to weigh.
 
     Args:
-        radiance: [..., direction, wavelength] in W m⁻² sr⁻¹ nm⁻¹.
-        wavelengths: [nm].
-        by_order: [..., order, direction, wavelength], if kept.
+        radiance: Spectral radiance [..., direction, wavelength] in W m⁻² sr⁻¹ nm⁻¹.
+        wavelengths: Wavelengths of the radiance [nm].
+        by_order: Radiance by order [..., order, direction, wavelength], if kept.
     """
     variables = {"radiance": radiance}
     if len(wavelengths) > 1:
@@ -100,9 +100,9 @@ def with_errors(dataset: xr.Dataset, errors: np.ndarray) -> xr.Dataset:
     """A dataset with the estimated relative error of every radiance beside it.
 
     Args:
-        dataset: As `run_campaign` returns it.
-        errors: Of the radiance's shape. Kept in single precision: two digits are all they are
-            worth.
+        dataset: Skies as `run_campaign` returns them.
+        errors: Relative errors, of the radiance's shape. Kept in single precision: two digits are
+            all they are worth.
     """
     values = errors.astype(np.float32)
     return dataset.assign({ERRORS: (dataset["radiance"].dims, values, describe(ERRORS))})

@@ -72,7 +72,7 @@ def run_campaign(
     """Simulate every sky of a campaign.
 
     Args:
-        campaign: What to simulate.
+        campaign: Campaign to simulate.
         progress: Called as `progress("skies", done, total)`, and after that, where errors are
             estimated, as `progress("error estimate", done, total)`; both count skies.
         store: A name ending in .zarr or .nc to save the skies under. A .zarr store keeps every

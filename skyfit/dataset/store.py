@@ -26,8 +26,9 @@ class SkyStore:
     are not done are NaN.
 
     Args:
-        path: Ends in .zarr. Made if absent, continued if it is of the same campaign.
-        template: The campaign's dataset with NaN for every sky.
+        path: Name that ends in .zarr; the store is made if absent, continued if it is of the same
+            campaign.
+        template: Dataset of the campaign with NaN for every sky.
 
     Raises:
         InputError: Something else is there, or a store of another campaign.
@@ -69,7 +70,7 @@ class SkyStore:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Of the dataset, as they are on disk."""
+        """Attributes of the dataset, as they are on disk."""
         return dict(self._group.attrs)
 
     def put_attributes(self, attributes: dict[str, str]) -> None:
@@ -80,7 +81,7 @@ class SkyStore:
         """A variable beside those of the template, to be filled sky by sky with `put`.
 
         Args:
-            name: Of the variable.
+            name: Name of the variable.
             blank: NaN for every sky; written if the store has no variable of that name.
 
         Returns:
@@ -152,9 +153,9 @@ def empty_skies(campaign: Campaign, shapes: dict[str, tuple[int, ...]], dtype) -
     """The dataset of a campaign before its first sky: NaN everywhere.
 
     Args:
-        campaign: What will be simulated.
-        shapes: Of each variable of one sky.
-        dtype: Of the radiance.
+        campaign: Campaign that will be simulated.
+        shapes: Shape of each variable of one sky.
+        dtype: Type of the radiance's numbers.
     """
     skies = campaign.sky_shape
     blank = {name: np.full((*skies, *shape), np.nan, dtype) for name, shape in shapes.items()}

@@ -28,14 +28,14 @@ class MarchedAir(eqx.Module):
 
     Attributes:
         rayleigh: Scattering coefficient of air at the ground [m⁻¹].
-        mie: The same of haze [m⁻¹].
+        mie: Scattering coefficient of haze at the ground [m⁻¹].
         mie_extinction: Extinction coefficient of haze at the ground [m⁻¹].
         rayleigh_height: Scale height of air [m].
-        mie_height: The same of haze [m].
-        g: Of Cornette & Shanks's phase function.
+        mie_height: Scale height of haze [m].
+        g: Parameter of Cornette & Shanks's phase function.
         sun: Irradiance above the air, normal to the beam; its unit times sr⁻¹ is the light's.
-        planet_radius: [m].
-        top_altitude: [m].
+        planet_radius: Radius of the planet [m].
+        top_altitude: Altitude at which the air ends [m].
     """
 
     rayleigh: Float[Array, " 3"]
@@ -87,14 +87,14 @@ def scs_air(
 
     Args:
         rayleigh: Scattering coefficient of air at the ground, red, green, blue [m⁻¹].
-        mie: The same of haze, one value or three [m⁻¹].
+        mie: Scattering coefficient of haze at the ground, one value or three [m⁻¹].
         mie_extinction_ratio: Extinction over scattering of haze, 1 or more.
         rayleigh_height: Scale height of air [m].
-        mie_height: The same of haze [m].
-        g: Of Cornette & Shanks's phase function, in (-1, 1); its mean cosine is larger.
+        mie_height: Scale height of haze [m].
+        g: Parameter of Cornette & Shanks's phase function, in (-1, 1), below its mean cosine.
         sun: Irradiance above the air, one value or three.
-        planet_radius: [m].
-        top_altitude: Of the air [m].
+        planet_radius: Radius of the planet [m].
+        top_altitude: Altitude at which the air ends [m].
 
     Raises:
         InputError: A value out of its range.

@@ -13,8 +13,8 @@ class HeightField(eqx.Module):
     """Altitudes on a square grid, linear in between; 0 outside it.
 
     Args:
-        altitude: [y, x], two or more each way [m].
-        spacing: Between grid points [m].
+        altitude: Altitudes [y, x], two or more each way [m].
+        spacing: Distance between grid points [m].
         corner: x and y of the first of them; the grid lies around the origin if not given [m].
     """
 
@@ -63,11 +63,11 @@ def in_shadow(
 
     Args:
         terrain: Altitude of the ground from x and y.
-        altitude: Of the points; the ground between is taken as flat.
-        point: Where they are.
-        toward: To the sun.
-        reach: How far is looked.
-        steps: How often, closer near the point.
+        altitude: Altitude of the points; the ground between is taken as flat [m].
+        point: Points at which shadow is asked for.
+        toward: Direction to the sun.
+        reach: Distance to which is looked.
+        steps: Number of places looked at, closer near the point.
     """
     share = (jnp.arange(steps, dtype=point.dtype) + 0.5) / steps
 

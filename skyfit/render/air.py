@@ -21,10 +21,10 @@ def air_before(
 
     Args:
         source: A model with a known turbidity, or a simulated atmosphere.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         kind: "paper" for that of Preetham et al. (1999), "ward-larson" for the one they compare
             with, "none".
-        ground_albedo: Of the land, which lights the air too.
+        ground_albedo: Albedo of the land, which lights the air too.
         sunlight: Whether the sun shines on the air; not under clouds.
 
     Raises:

@@ -29,9 +29,9 @@ def day_of_suns(
     """Zenith angles and compass azimuths of the sun [rad], evenly from dawn to dusk.
 
     Args:
-        latitude: [rad].
+        latitude: Latitude of the place [rad].
         day_of_year: 1 to 366.
-        frames: How many.
+        frames: Number of frames.
         lowest: Zenith angle at which the day begins and ends [rad].
 
     Raises:
@@ -72,16 +72,16 @@ def animate(
 
     Args:
         path: Ends in .gif (256 colours) or .apng (all of them).
-        source: What is seen.
+        source: Sky that is seen.
         camera: Through what.
         suns: Zenith angle and compass azimuth for each frame [rad].
         ev: Exposure value of all frames; None exposes each by itself, as an eye adapts.
-        tone: As of `Picture.save`.
-        gamut: As of `Picture.save`.
-        seconds: How long it lasts.
+        tone: Tone curve, as of `Picture.save`.
+        gamut: Treatment of colours that sRGB lacks, as of `Picture.save`.
+        seconds: Duration of the animation [s].
         overwrite: Replace a file that is there.
         progress: Called as `progress("frames", done, total)`.
-        **options: Of `render`.
+        **options: Further arguments of `render`.
 
     Returns:
         The file, how many frames, and the lowest and highest exposure value.

@@ -24,8 +24,8 @@ class Rays(NamedTuple):
 
     Attributes:
         direction: Unit vectors east, north, up; anything where `inside` is false.
-        inside: Which pixels show something.
-        solid_angle: Of each pixel [sr].
+        inside: Mask of the pixels that show something.
+        solid_angle: Solid angle of each pixel [sr].
     """
 
     direction: Float[np.ndarray, "*shape 3"]
@@ -164,10 +164,10 @@ class Perspective(AbstractCamera):
     Args:
         width: Columns.
         height: Rows.
-        azimuth: Of the direction it looks into [rad].
-        elevation: Of that direction above the horizontal [rad].
-        field_of_view: From the left edge to the right one, below π [rad].
-        altitude: Of the eye above the ground; only simulated skies change with it [m].
+        azimuth: Compass azimuth of the direction it looks into [rad].
+        elevation: Elevation of that direction above the horizontal [rad].
+        field_of_view: Angle from the left edge to the right one, below π [rad].
+        altitude: Altitude of the eye above the ground; only simulated skies change with it [m].
     """
 
     width: int = 800

@@ -15,7 +15,7 @@ class Elevation(eqx.Module):
     The grid is continued by its own mirror images, so that land reaches to the horizon.
 
     Attributes:
-        height: Above sea level, from south to north and from west to east [m].
+        height: Heights above sea level, from south to north and from west to east [m].
         north: Step between rows [m].
         east: Step between columns [m].
     """

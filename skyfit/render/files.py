@@ -46,7 +46,7 @@ def write_exr(
     Args:
         path: Ends in .exr.
         rgb: (1, 1, 1) being white of 1 cd m⁻².
-        comments: For the header.
+        comments: Text for the header.
         precision: "half" holds 65504 at most: the values are divided by a power of two that makes
             room for the brightest pixel. "float" needs no scale.
         environment: Say in the header that this is an equirectangular panorama.

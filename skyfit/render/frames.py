@@ -37,7 +37,7 @@ class Frame(NamedTuple):
     """A picture before exposure and tone curve.
 
     Attributes:
-        rgb: As of `Picture`.
+        rgb: Colours of the pixels, as of `Picture`.
         exposure: The exposure value that suits it.
     """
 
@@ -52,8 +52,8 @@ class FrameStore:
     animation, the frame's number and its content: what is damaged or of elsewhere does not count.
 
     Args:
-        directory: Where they are.
-        record: What they belong to, by `animation_record`.
+        directory: Directory of the frames.
+        record: Animation that the frames belong to, by `animation_record`.
         shape: Rows and columns.
 
     Raises:

@@ -37,9 +37,9 @@ def on_dome(
     at worst beside the sun, if its logarithm is what is interpolated.
 
     Args:
-        zeniths: From 0 to π/2 [rad].
-        azimuths: From 0 to π [rad].
-        values: [direction], the zenith first.
+        zeniths: Zenith angles of the rings, from 0 to π/2 [rad].
+        azimuths: Azimuths of the spokes, from 0 to π [rad].
+        values: Values in every direction, the zenith first.
 
     Returns:
         Function of view zenith and relative azimuth [rad], any shape.

@@ -18,8 +18,9 @@ def refuse_impossible_light(
 
     Args:
         rgb: Linear sRGB [cd m⁻²]. Channels may be negative: colours that sRGB does not have.
-        weight: 0 where the sun's disc is, whose rounding is larger than other pixels' light.
-        what: Is seen, for the message.
+        weight: Weight of each pixel; 0 where the sun's disc is, whose rounding is larger than other
+            pixels' light.
+        what: Name of what is seen, for the message.
 
     Raises:
         InputError: There is other light.
@@ -49,9 +50,9 @@ def refuse_black_day(
 
     Args:
         source: The sky.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         rgb: Linear sRGB, finite.
-        sky: Which pixels are of the sky alone, above the horizontal.
+        sky: Mask of the pixels of the sky alone, above the horizontal.
 
     Raises:
         InputError: There is none.

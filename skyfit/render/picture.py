@@ -23,11 +23,11 @@ class Picture:
     """A sky in linear sRGB, not clipped, (1, 1, 1) being white of 1 cd m⁻².
 
     Attributes:
-        rgb: [row, column, 3], float32; 0 where nothing is shown.
-        inside: Which pixels show something.
+        rgb: Linear sRGB [row, column, 3], float32; 0 where nothing is shown.
+        inside: Mask of the pixels that show something.
         weight: Solid angle of each pixel without the sun's disc, for exposure [sr].
-        camera: How it was projected.
-        description: What is seen, in a line.
+        camera: Camera that projected it.
+        description: Line that says what is seen.
 
     Raises:
         InputError: Light is not finite, or a luminance is negative by more than rounding.
@@ -72,7 +72,7 @@ class Picture:
             ev: Exposure value; None for an automatic one.
             tone: Curve of a PNG; see `tone.display`.
             gamut: What becomes of colours that sRGB does not have; see `tone.into_gamut`.
-            precision: Of an EXR.
+            precision: Precision of an EXR's numbers.
             overwrite: Replace a file that is there.
 
         Returns:
@@ -123,10 +123,11 @@ def render(
             makes of a file, or a class of your own.
         camera: `Fisheye`, `Panorama` or `Perspective`.
         sun_zenith: Zenith angle of the sun [rad].
-        sun_azimuth: Its compass azimuth, north 0, east π/2 [rad].
-        sun_disc: Show the disc, 0.53° across. Pixels it fills in part have its light in part.
-        ground_albedo: Of a Lambertian ground below the horizon, lit by this sky and sun; only
-            where the source has no ground of its own. None: the source's `ground_albedo`.
+        sun_azimuth: Compass azimuth of the sun, north 0, east π/2 [rad].
+        sun_disc: Whether to show the disc, 0.53° across. Pixels it fills in part have its light in
+            part.
+        ground_albedo: Albedo of a Lambertian ground below the horizon, lit by this sky and sun;
+            only where the source has no ground of its own. None: the source's `ground_albedo`.
 
     Returns:
         The picture, in absolute luminance.

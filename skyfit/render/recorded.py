@@ -32,8 +32,8 @@ class RecordedSource(AbstractSource):
         sky: One sky: `luminance`, `x`, `y` over `direction`, with `view_zenith`,
             `relative_azimuth`, and a scalar `sun_zenith`; directions with `reliable` false are
             left out.
-        name: What it is.
-        turbidity: Of the air before the sun; None if unknown.
+        name: Name of the sky.
+        turbidity: Turbidity of the air before the sun; None if unknown.
     """
 
     def __init__(self, sky: xr.Dataset, name: str, turbidity: float | None = None):
@@ -109,10 +109,10 @@ def select_sky(
     """One sky of a dataset, by the values of its dimensions.
 
     Args:
-        data: Over (turbidity, sun_zenith) or another swept parameter, or over time.
-        name: What it is, for messages.
+        data: Skies over (turbidity, sun_zenith) or another swept parameter, or over time.
+        name: Name of the dataset, for messages.
         turbidity: The value of the swept parameter; None if there is only one.
-        sun_zenith: Of the sun, within 0.01°; None if there is only one [rad].
+        sun_zenith: Zenith angle of the sun, within 0.01°; None if there is only one [rad].
 
     Raises:
         InputError: No such sky; the message lists what there is.

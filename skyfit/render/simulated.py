@@ -50,10 +50,10 @@ class SimulatedSource(AbstractSource):
     dust of mean cosine 0.95 it is within 1 % from 0.3° to 45° beside the sun.
 
     Args:
-        atmosphere: What scatters and absorbs.
-        name: What it is.
-        orders: How many orders of scattering; None for all.
-        quality: As of `skyfit.simulate`.
+        atmosphere: Air that scatters and absorbs.
+        name: Name of the sky.
+        orders: Number of orders of scattering; None for all.
+        quality: Quality of the simulation, as of `skyfit.simulate`.
         observer_altitude: Altitude of the eye [m]; above 0 the planet is seen as well.
         grid: Rings in each zone and azimuths in half a turn at which the sky is simulated.
 

@@ -30,10 +30,10 @@ def load_source(
     Args:
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
             .nc), "cornell" for the measured skies; None for the published model.
-        turbidity: Of the published model, of a fit or campaign or dataset that has several (or the
-            value of what else it sweeps), and of the air before the sun where the sky does not
-            know it.
-        sun_zenith: Which sky of a dataset [rad].
+        turbidity: Turbidity of the published model, of a fit or campaign or dataset that has
+            several (or the value of what else it sweeps), and of the air before the sun where the
+            sky does not know it.
+        sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
 
     Raises:

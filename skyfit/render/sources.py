@@ -20,9 +20,9 @@ class AbstractSource(abc.ABC):
     """A sky under one sun at a time. Unit vectors are east, north, up.
 
     Attributes:
-        has_ground: Whether it answers below the horizon; else the picture gives it a ground.
-        ground_albedo: Of that ground, unless the caller says otherwise.
-        name: What it is, in a few words.
+        has_ground: Whether the source answers below the horizon; else the picture adds a ground.
+        ground_albedo: Albedo of that ground, unless the caller says otherwise.
+        name: Name of the sky, in a few words.
     """
 
     has_ground: bool = False
@@ -36,9 +36,9 @@ class AbstractSource(abc.ABC):
         """CIE XYZ [cd m⁻²] along lines of sight, without the sun's disc.
 
         Args:
-            direction: Of the lines of sight.
-            sun_zenith: [rad].
-            sun_azimuth: Compass azimuth [rad].
+            direction: Directions of the lines of sight.
+            sun_zenith: Zenith angle of the sun [rad].
+            sun_azimuth: Compass azimuth of the sun [rad].
         """
 
     @abc.abstractmethod
@@ -71,8 +71,8 @@ class ModelSource(AbstractSource):
 
     Args:
         model: The sky.
-        turbidity: Of the air before the sun; None if unknown.
-        name: What it is.
+        turbidity: Turbidity of the air before the sun; None if unknown.
+        name: Name of the sky.
     """
 
     def __init__(self, model: AbstractSkyModel, turbidity: float | None, name: str):

@@ -73,13 +73,13 @@ def render_terrain(
     Args:
         source: The sky.
         elevation: The land.
-        camera: Its `altitude` counts from the land below it.
-        eye: Where it stands, east and north of the south-western corner [m].
-        sun_zenith: [rad].
+        camera: Camera, whose `altitude` counts from the land below it.
+        eye: Place of the eye, east and north of the south-western corner [m].
+        sun_zenith: Zenith angle of the sun [rad].
         sun_azimuth: Compass azimuth [rad].
-        air: Between eye and land, made with channels "rgb"; None for clear vacuum.
+        air: Aerial perspective between eye and land, of channels "rgb"; None for clear vacuum.
         ground_albedo: Albedo of the land, Lambertian.
-        samples: In each pixel, a square number.
+        samples: Number of samples in each pixel, a square.
         sun_disc: Sunlight, and the disc itself where it is in view.
         shafts: Whether land shades the air as well. Such air scatters skylight only; the sky behind
             it is dimmed by the share of the air's light that is lost. `air` is then a

@@ -34,7 +34,7 @@ def automatic_exposure(rgb: Float[np.ndarray, "*shape 3"], weight: np.ndarray) -
 
     Args:
         rgb: Linear sRGB, (1, 1, 1) being 1 cd m⁻²; black pixels do not count.
-        weight: Of each pixel in the mean.
+        weight: Weight of each pixel in the mean.
 
     Source: Reinhard, Stark, Shirley & Ferwerda (2002), "Photographic tone reproduction for digital
     images", equation 1, with the key of a bright scene.

@@ -38,7 +38,7 @@ def clear_sky_irradiance(
     Args:
         turbidity: T, 1 or more.
         sun_zenith: Zenith angle of the sun; once it has set both are 0 [rad].
-        ground_albedo: Of the ground, which lights the sky from below.
+        ground_albedo: Albedo of the ground, which lights the sky from below.
 
     Raises:
         InputError: Turbidity below 1 or NaN.

@@ -36,7 +36,7 @@ class Surroundings(NamedTuple):
 
     Attributes:
         gas_depth: Vertical optical depth of scattering by gases at 550 nm.
-        extinction: Of all gases at the ground, 550 nm [m⁻¹].
+        extinction: Extinction of all gases at the ground, 550 nm [m⁻¹].
         top: Altitude where the atmosphere ends [m].
     """
 

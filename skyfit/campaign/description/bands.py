@@ -53,11 +53,11 @@ def water_vapour(
     the weak band at 650 nm is not in the table.
 
     Args:
-        wavelengths: Those of the atmosphere, up to 800 [nm].
+        wavelengths: Wavelengths of the atmosphere, up to 800 [nm].
         precipitable_water: Depth of all the vapour above the ground as liquid, 0 to 0.2: 0.005 in
             dry winters, 0.05 in the tropics [m].
         density: Exponential with a scale height of 2 km if not given.
-        top_altitude: Of the atmosphere [m].
+        top_altitude: Altitude at which the atmosphere ends [m].
 
     Raises:
         InputError: There are wavelengths beyond 800 nm, or an amount out of its range.
@@ -85,10 +85,10 @@ def oxygen(
     are another constituent, "oxygen_dimer" of campaign files.
 
     Args:
-        wavelengths: Those of the atmosphere, up to 800 [nm].
+        wavelengths: Wavelengths of the atmosphere, up to 800 [nm].
         pressure_ratio: Pressure at the ground over the standard's, 0 or more.
-        density: That of the U.S. Standard Atmosphere if not given.
-        top_altitude: Of the atmosphere [m].
+        density: Relative density of the gas; that of the U.S. Standard Atmosphere if not given.
+        top_altitude: Altitude at which the atmosphere ends [m].
 
     Raises:
         InputError: There are wavelengths beyond 800 nm, or a negative pressure.

@@ -29,8 +29,8 @@ class Sweep:
 
     Args:
         name: Dimension of the dataset, and the argument of `SkyFit.sky`.
-        key: Where the number stands, as in "constituents.dust.optical_depth".
-        values: Increasing, in the unit of the key.
+        key: Place of the number in the file, as in "constituents.dust.optical_depth".
+        values: Values of the number, increasing, in the unit of the key.
     """
 
     name: str

@@ -48,7 +48,7 @@ def load_atmosphere(
 
     Args:
         path: A TOML file.
-        wavelengths: Increasing; the file's own by default [nm].
+        wavelengths: Wavelengths of the atmosphere, increasing; the file's by default [nm].
         **swept: The parameter that the file sweeps under its own name, in the file's unit, as in
             `optical_depth=0.3`. By default it has the value that the file gives where the
             parameter stands; the paper's atmosphere has a turbidity of 3.
