@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
     from .dataset.measurements import cornell_skies as cornell_skies
     from .dataset.runner import run_campaign as run_campaign
+    from .errors import InputError as InputError
     from .export import export_fit as export_fit
     from .fitting import (
         Dependence as Dependence,
@@ -115,6 +116,7 @@ _NAMES = {
     "dataset": ("load_dataset", "save_dataset"),
     "dataset.measurements": ("cornell_skies",),
     "dataset.runner": ("run_campaign",),
+    "errors": ("InputError",),
     "export": ("export_fit",),
     "fitting": ("Dependence", "SkyFit", "fit_sky", "load_fit", "positivity"),
     "judging": ("colour_claim", "compare_weights", "ladder", "recovery_error", "shape_error"),

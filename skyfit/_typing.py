@@ -10,6 +10,8 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, ArrayLike as _ArrayLike, Float
 
+from .errors import InputError
+
 
 # What a caller may pass for an array: a number, an array, or (nested) lists of numbers.
 ArrayLike = _ArrayLike | Sequence[Any]
@@ -46,14 +48,14 @@ def as_scalar(value: ArrayLike, name: str) -> Scalar:
     """Convert one number to JAX's default float.
 
     Raises:
-        ValueError: `value` is no number, or several; the message starts with `name`.
+        InputError: `value` is no number, or several; the message starts with `name`.
     """
     try:
         number = as_parameter(value)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}: expected a number; got {value!r}") from error
+        raise InputError(f"{name}: expected a number; got {value!r}") from error
     if number.ndim != 0:
-        raise ValueError(f"{name}: expected one value; got shape {number.shape}")
+        raise InputError(f"{name}: expected one value; got shape {number.shape}")
     return number
 
 
@@ -61,12 +63,12 @@ def as_wavelengths(value: ArrayLike, name: str) -> Spectrum:
     """Convert one or more wavelengths [nm] to JAX's default float.
 
     Raises:
-        ValueError: `value` has two axes or no element, or does not increase, or holds anything
+        InputError: `value` has two axes or no element, or does not increase, or holds anything
             but finite numbers above 0; the message starts with `name`.
     """
     lam = jnp.atleast_1d(as_parameter(value))
     if lam.ndim != 1 or lam.size == 0:
-        raise ValueError(f"{name}: expected one axis of one value or more; got shape {lam.shape}")
+        raise InputError(f"{name}: expected one axis of one value or more; got shape {lam.shape}")
     return check(lam, _is_no_spectrum, f"{name} must increase from above 0 nm")
 
 
@@ -101,7 +103,7 @@ def check(
         `value` unchanged.
 
     Raises:
-        ValueError: At once, if the values are known.
+        InputError: At once, if the values are known.
         RuntimeError: When the compiled program runs, if they are traced.
     """
     if is_traced(value):
@@ -110,5 +112,5 @@ def check(
     mask = np.broadcast_to(fails(known), known.shape)
     if mask.any():
         got = known[mask].ravel()[0]
-        raise ValueError(f"{message}; got {got:.6g}")
+        raise InputError(f"{message}; got {got:.6g}")
     return value

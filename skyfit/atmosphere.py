@@ -20,6 +20,7 @@ from ._typing import (
 )
 from .bands import Bands
 from .constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from .errors import InputError
 from .phase import AbstractPhaseFunction
 from .profile import AbstractProfile
 
@@ -62,10 +63,10 @@ class Constituent(eqx.Module):
         """Scattering plus absorption coefficient [m⁻¹].
 
         Raises:
-            ValueError: It absorbs in bands too, for which no one coefficient stands.
+            InputError: It absorbs in bands too, for which no one coefficient stands.
         """
         if self.bands is not None:
-            raise ValueError(
+            raise InputError(
                 "extinction: a constituent absorbs in bands, which have no one coefficient; take "
                 "one class of lines at a time as skyfit.transfer.line_classes does"
             )
@@ -146,14 +147,14 @@ class Atmosphere(eqx.Module):
         if refraction is not None and not is_traced(refraction, self.planet_radius):
             self._refuse_ducts(refraction)
         if isinstance(constituents, Constituent):
-            raise ValueError("Atmosphere(constituents=...): expected a tuple; got one Constituent")
+            raise InputError("Atmosphere(constituents=...): expected a tuple; got one Constituent")
         self.constituents = tuple(constituents)
         if not self.constituents:
-            raise ValueError("Atmosphere(constituents=...): expected one or more; got none")
+            raise InputError("Atmosphere(constituents=...): expected one or more; got none")
         for number, one in enumerate(self.constituents):
             for name, width in _spectral_widths(one):
                 if width not in (1, lam.size):
-                    raise ValueError(
+                    raise InputError(
                         f"Atmosphere: constituents[{number}].{name} has {width} wavelengths, "
                         f"expected 1 or {lam.size} as in wavelengths"
                     )
@@ -166,7 +167,7 @@ class Atmosphere(eqx.Module):
             index = 1 + refraction.refractivity * refraction.density(altitude)
             rises = np.all(np.diff(np.asarray(index * (self.planet_radius + altitude))) > 0)
         if not rises:
-            raise ValueError(
+            raise InputError(
                 "Atmosphere(refraction=...): expected an index of refraction times radius that "
                 "rises with altitude; this air would lead light round the planet"
             )
@@ -181,7 +182,7 @@ class Atmosphere(eqx.Module):
         """Extinction coefficients where each density is 1 [m⁻¹].
 
         Raises:
-            ValueError: Some constituent absorbs in bands, for which no one coefficient stands.
+            InputError: Some constituent absorbs in bands, for which no one coefficient stands.
         """
         return self._stack([one.extinction for one in self.constituents])
 
@@ -221,14 +222,14 @@ def _check_bands(constituents: Sequence[Constituent], width: int) -> None:
     found = [(n, one.bands) for n, one in enumerate(constituents) if one.bands is not None]
     for number, bands in found:
         if bands.width != width:
-            raise ValueError(
+            raise InputError(
                 f"Atmosphere: constituents[{number}].bands has {bands.width} wavelengths, expected "
                 f"{width} as in wavelengths"
             )
         first, one = found[0][1].weights, bands.weights
         same = first.shape == one.shape
         if not same or not (is_traced(first, one) or np.allclose(first, one, rtol=1e-5)):
-            raise ValueError(
+            raise InputError(
                 f"Atmosphere: constituents[{number}].bands has other weights than those of "
                 f"constituents[{found[0][0]}]; expected the same classes of lines in all"
             )
@@ -243,7 +244,7 @@ def _length(value: ArrayLike, name: str) -> Scalar:
 def _coefficient(value: ArrayLike, name: str) -> Float[Array, " #wavelength"]:
     beta = jnp.atleast_1d(as_parameter(value))
     if beta.ndim != 1:
-        raise ValueError(f"Constituent({name}=...): expected one axis; got shape {beta.shape}")
+        raise InputError(f"Constituent({name}=...): expected one axis; got shape {beta.shape}")
     message = f"Constituent({name}=...) must be 0 or more, in 1/m"
     return check(beta, lambda v: ~((v >= 0) & (v < np.inf)), message)
 
@@ -251,7 +252,7 @@ def _coefficient(value: ArrayLike, name: str) -> Float[Array, " #wavelength"]:
 def _spectrum(value: ArrayLike, wavelengths: Spectrum, name: str) -> Spectrum:
     spectrum = as_parameter(value)
     if spectrum.shape not in ((), (1,), wavelengths.shape):
-        raise ValueError(
+        raise InputError(
             f"Atmosphere({name}=...): expected one value or {wavelengths.size} as in wavelengths; "
             f"got shape {spectrum.shape}"
         )

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_parameter, as_scalar, check, is_traced
+from .errors import InputError
 
 
 class Bands(eqx.Module):
@@ -35,7 +36,7 @@ class Bands(eqx.Module):
     def __init__(self, weights: ArrayLike, absorption: ArrayLike):
         shares, kappa = as_parameter(weights), as_parameter(absorption)
         if shares.ndim != 1 or shares.size == 0 or kappa.ndim != 2 or len(kappa) != len(shares):
-            raise ValueError(
+            raise InputError(
                 "Bands: expected weights [line_class] and absorption [line_class, wavelength]; got "
                 f"shapes {shares.shape} and {kappa.shape}"
             )

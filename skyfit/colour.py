@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_float, as_wavelengths
 from .constants import LUMINOUS_EFFICACY
+from .errors import InputError
 from .spectrum import daylight_basis, daylight_table, product_weights
 
 
@@ -52,11 +53,11 @@ def xyz_weights(wavelengths: ArrayLike) -> Float[Array, "wavelength 3"]:
         [cd m⁻² per W m⁻² sr⁻¹ nm⁻¹].
 
     Raises:
-        ValueError: Fewer than two wavelengths, or not increasing.
+        InputError: Fewer than two wavelengths, or not increasing.
     """
     lam = as_wavelengths(wavelengths, "xyz_weights(wavelengths=...)")
     if lam.size < 2:
-        raise ValueError("xyz_weights(wavelengths=...): expected two or more; got one")
+        raise InputError("xyz_weights(wavelengths=...): expected two or more; got one")
     nodes, curves = matching_functions()
     nodes, curves = jnp.asarray(nodes, lam.dtype), jnp.asarray(curves, lam.dtype)
     return LUMINOUS_EFFICACY * product_weights(lam, nodes, curves)
@@ -73,11 +74,11 @@ def spectrum_to_xyz(radiance: ArrayLike, wavelengths: ArrayLike) -> Float[Array,
         X, Y, Z on the last axis [cd m⁻²].
 
     Raises:
-        ValueError: The last axis of `radiance` is not as long as `wavelengths`.
+        InputError: The last axis of `radiance` is not as long as `wavelengths`.
     """
     light, weights = as_float(radiance), xyz_weights(wavelengths)
     if light.ndim == 0 or light.shape[-1] != weights.shape[0]:
-        raise ValueError(
+        raise InputError(
             f"spectrum_to_xyz(radiance=...): expected {weights.shape[0]} wavelengths on the last "
             f"axis; got shape {light.shape}"
         )

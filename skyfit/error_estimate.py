@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .campaign import Campaign
+from .errors import InputError
 from .transfer.quality import QUALITIES, coarser
 from .transfer.trust import SHARE_OF_DISTANCE, TOLERANCE, AccuracyWarning
 
@@ -42,10 +43,10 @@ class ErrorEstimate:
         share_of_distance: Share of the distance that is the estimate.
         worst: The largest estimate [1].
         rms: Root mean square [1].
-        median: [1].
-        tolerance: What is warned of [1].
+        median: Median [1].
+        tolerance: Estimate above which is warned [1].
         share_above: Share of the radiances whose estimate is above the tolerance [1].
-        worst_at: Where the worst is: the value of what is swept, under its name; `sun_zenith`,
+        worst_at: Place of the worst: the value of what is swept, under its name; `sun_zenith`,
             `view_zenith`, `relative_azimuth` [rad]; `wavelength` [nm].
     """
 
@@ -100,10 +101,10 @@ def sum_up(
     """Sum the estimates of a campaign up.
 
     Args:
-        campaign: What was simulated.
+        campaign: Campaign that was simulated.
         skies: "sample" or "all".
-        errors: Over the campaign's `sky_dims`, direction and wavelength; NaN where a sky was not
-            checked.
+        errors: Errors over the campaign's `sky_dims`, direction and wavelength; NaN where a sky
+            was not checked.
     """
     known = errors[np.isfinite(errors)].astype(float)
     place = np.unravel_index(np.nanargmax(errors), errors.shape)
@@ -138,7 +139,7 @@ def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
     """The error estimate that a simulated dataset has on record; None if it has none.
 
     Raises:
-        ValueError: Another version wrote it, with other fields.
+        InputError: Another version wrote it, with other fields.
     """
     if ERRORS not in dataset.attrs:
         return None
@@ -146,7 +147,7 @@ def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
     expected = {field.name for field in dataclasses.fields(ErrorEstimate)}
     if set(found) != expected:
         odd = ", ".join(sorted(set(found) ^ expected))
-        raise ValueError(
+        raise InputError(
             f"dataset: attribute {ERRORS!r} is of another version; it differs in {odd}"
         )
     return ErrorEstimate(**found)
@@ -167,8 +168,8 @@ def warn_where_large(estimate: ErrorEstimate, quality: str) -> None:
     """Warn in one line where a campaign's estimated error exceeds what is tolerated.
 
     Args:
-        estimate: Of the campaign.
-        quality: Of the campaign.
+        estimate: Error estimate of the campaign.
+        quality: Quality of the campaign.
     """
     if estimate.worst <= estimate.tolerance:
         return

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_float, as_parameter, check, falls_or_stays
+from .errors import InputError
 from .phase_tables import normalised, panel_nodes
 
 
@@ -100,7 +101,7 @@ class Rayleigh(AbstractPhaseFunction):
     def __init__(self, depolarisation: ArrayLike = 0.0):
         value = as_parameter(depolarisation)
         if value.ndim > 1:
-            raise ValueError("Rayleigh(depolarisation=...): expected one value or one per "
+            raise InputError("Rayleigh(depolarisation=...): expected one value or one per "
                              f"wavelength; got shape {value.shape}")  # fmt: skip
         self.grey = value.ndim == 0
         message = "Rayleigh(depolarisation=...) must lie in [0, 1]"
@@ -141,7 +142,7 @@ class _Asymmetric(AbstractPhaseFunction):
     def __init__(self, g: ArrayLike):
         value = as_parameter(g)
         if value.ndim > 1:
-            raise ValueError(f"{type(self).__name__}(g=...): expected one value or one per "
+            raise InputError(f"{type(self).__name__}(g=...): expected one value or one per "
                              f"wavelength; got shape {value.shape}")  # fmt: skip
         self.grey = value.ndim == 0
         message = f"{type(self).__name__}(g=...) must lie in (-1, 1)"
@@ -235,7 +236,7 @@ class Tabulated(AbstractPhaseFunction):
     def __init__(self, angle: ArrayLike, value: ArrayLike):
         theta, p = as_parameter(angle), as_parameter(value)
         if theta.ndim != 1 or theta.size < 2 or p.ndim not in (1, 2) or p.shape[0] != theta.size:
-            raise ValueError(
+            raise InputError(
                 "phase.Tabulated: expected angle [angle] and value [angle] or [angle, "
                 f"wavelength], two angles or more; got shapes {theta.shape} and {p.shape}"
             )

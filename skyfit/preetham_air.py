@@ -25,6 +25,7 @@ from ._typing import (
     check,
 )
 from .atmosphere import Atmosphere, Constituent
+from .errors import InputError
 from .phase import Rayleigh, Tabulated
 from .profile import (
     AbstractProfile,
@@ -144,10 +145,10 @@ def preetham_atmosphere(
         ground_albedo: The paper's is 0; one value or one per wavelength.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; an unknown meaning.
+        InputError: Turbidity below 1 or NaN; an unknown meaning.
     """
     if turbidity_means not in TURBIDITY_MEANINGS:
-        raise ValueError(
+        raise InputError(
             "preetham_atmosphere(turbidity_means=...): expected 'optical thickness' or "
             f"'coefficients'; got {turbidity_means!r}"
         )

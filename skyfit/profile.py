@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check, falls_or_stays
+from .errors import InputError
 from .tables import read_table
 
 
@@ -77,7 +78,7 @@ class Tabulated(AbstractProfile):
     def __init__(self, altitude: ArrayLike, relative_density: ArrayLike):
         h, rho = as_parameter(altitude), as_parameter(relative_density)
         if h.ndim != 1 or h.shape != rho.shape or h.size < 2:
-            raise ValueError(
+            raise InputError(
                 "profile.Tabulated: expected altitude and relative_density of one shape, two "
                 f"values or more; got shapes {h.shape} and {rho.shape}"
             )

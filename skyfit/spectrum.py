@@ -68,7 +68,7 @@ def daylight_basis(wavelengths: ArrayLike) -> Float[Array, "*batch 3"]:
         The three functions on the last axis.
 
     Raises:
-        ValueError: A wavelength out of range.
+        InputError: A wavelength out of range.
     """
     lam = as_float(wavelengths)
     first, last = DAYLIGHT_RANGE
@@ -92,7 +92,7 @@ def linear_in_wavelength(
         wavelengths: One axis, within the bands [nm].
 
     Raises:
-        ValueError: A wavelength beyond the bands.
+        InputError: A wavelength beyond the bands.
     """
     lam = jnp.atleast_1d(as_float(wavelengths)).astype(values.dtype)
     ends = bands[0].astype(lam.dtype), bands[-1].astype(lam.dtype)

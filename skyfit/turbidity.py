@@ -14,6 +14,7 @@ from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_float, as_parameter, check
 from .constants import TOP_OF_ATMOSPHERE, TURBIDITY_WAVELENGTH
+from .errors import InputError
 from .models.preetham import TURBIDITY_RANGE, ZENITH_ANGLE, ZENITH_LUMINANCE
 from .models.scale import TangentZenith
 from .preetham_air import TurbidityMeaning, haze_scattering, rayleigh_scattering
@@ -43,7 +44,7 @@ def meteorological_range(
             weather stations report as visibility.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; an unknown meaning; a contrast outside 0 to 1.
+        InputError: Turbidity below 1 or NaN; an unknown meaning; a contrast outside 0 to 1.
     """
     value = _at_least_one(turbidity, "meteorological_range")
     air, slope, intercept = _extinction_line(turbidity_means, "meteorological_range")
@@ -61,7 +62,7 @@ def from_meteorological_range(
     Other arguments as there. A distance beyond that of pure air gives a turbidity below 1.
 
     Raises:
-        ValueError: A distance that is not above 0; an unknown meaning; a contrast outside 0 to 1.
+        InputError: A distance that is not above 0; an unknown meaning; a contrast outside 0 to 1.
     """
     distance = check(
         as_float(distance),
@@ -87,7 +88,7 @@ def aerosol_optical_depth(
         angstrom_exponent: α by which the depth goes as wavelength^-α.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
     """
     value = _at_least_one(turbidity, "aerosol_optical_depth")
     spectral = (as_float(wavelength) / TURBIDITY_WAVELENGTH) ** -as_float(angstrom_exponent)
@@ -105,7 +106,7 @@ def from_aerosol_optical_depth(
     A sun photometer's 0.1 at 500 nm, for instance, is T = 1.77. Other arguments as there.
 
     Raises:
-        ValueError: A depth below 0.
+        InputError: A depth below 0.
     """
     depth = check(
         as_float(optical_depth),
@@ -127,7 +128,7 @@ def from_zenith_luminance(luminance: ArrayLike, sun_zenith: ArrayLike) -> Float[
         sun_zenith: Zenith angle of the sun, at most 80°: below, haze dims the zenith as well [rad].
 
     Raises:
-        ValueError: A sun lower than that.
+        InputError: A sun lower than that.
 
     Source: Preetham et al. (1999), appendix A.2; solved by bisection, with the derivatives of the
     exact solution.
@@ -168,7 +169,7 @@ def _at_least_one(turbidity, name):
 
 def _threshold(contrast, name):
     if not 0 < contrast < 1:
-        raise ValueError(f"{name}(contrast=...) must lie between 0 and 1; got {contrast}")
+        raise InputError(f"{name}(contrast=...) must lie between 0 and 1; got {contrast}")
     return -math.log(contrast)
 
 
@@ -183,7 +184,7 @@ def _extinction_line(meaning, name):
         one, two = (haze_scattering(t, at) for t in (1.0, 2.0))
         return air, two - one, 2 * one - two
     expected = "'optical thickness' or 'coefficients'"
-    raise ValueError(f"{name}(turbidity_means=...): expected {expected}; got {meaning!r}")
+    raise InputError(f"{name}(turbidity_means=...): expected {expected}; got {meaning!r}")
 
 
 def _air_optical_depth():

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from stand_in import stand_in
 
@@ -164,7 +165,26 @@ def test_a_bug_is_admitted_with_status_1_and_no_traceback(campaign, tmp_path, ca
     assert cli.run(["simulate", str(campaign), "--out", str(tmp_path / "sky.nc")]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert "bug: TypeError: unsupported operand (test_cli.py:" in error
+    assert "internal error: TypeError: unsupported operand (test_cli.py:" in error
+    assert error.endswith("; set SKYFIT_TRACEBACK=1 for the traceback\n")
+    monkeypatch.setenv("SKYFIT_TRACEBACK", "1")
+    assert cli.run(["simulate", str(campaign), "--out", str(tmp_path / "sky.nc")]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("Traceback (most recent call last)")
+    assert 'raise TypeError("unsupported operand")' in error
+
+
+def test_an_error_of_numpy_inside_is_no_mistake_of_the_users(
+    campaign, tmp_path, capsys, monkeypatch
+):
+    def broken(*_, **__):
+        return np.zeros(2) + np.zeros(3)  # a ValueError
+
+    monkeypatch.setattr(runner, "sky_variables", broken)
+    assert cli.run(["simulate", str(campaign), "--out", str(tmp_path / "sky.nc")]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "internal error: ValueError: operands could not be broadcast together" in error
 
 
 def test_every_command_explains_itself(capsys):

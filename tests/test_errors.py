@@ -1,5 +1,6 @@
 """How mistakes are answered in Python: files that are not there, values that cannot be."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -39,3 +40,54 @@ def test_loaders_take_names_as_strings():
     assert skyfit.render.load_source("cornell", sun_zenith=np.radians(48.9379)).name.startswith(
         "Ithaca"
     )
+
+
+def air(**changes):
+    return skyfit.Atmosphere(**{"wavelengths": [500.0], "solar_irradiance": 1.0} | changes)
+
+
+MISTAKES = {
+    "atmosphere": lambda: air(constituents=()),
+    "campaign": lambda: skyfit.Campaign(orders=0),
+    "directions": lambda: skyfit.Campaign(view_zenith=[9.0], relative_azimuth=[0.0]),
+    "ending": lambda: skyfit.load_dataset("skies.csv"),
+    "air of too low a turbidity": lambda: skyfit.preetham_atmosphere(0.5),
+    "turbidity": lambda: skyfit.turbidity.meteorological_range(0.5),
+    "profile": lambda: skyfit.profile.Exponential(-1.0),
+    "camera": lambda: skyfit.render.Fisheye(4, "round"),
+    "aerial": lambda: skyfit.aerial_perspective(0.5, None, 0.5),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
+def test_what_skyfit_refuses_is_an_input_error_and_a_value_error(mistake):
+    with pytest.raises(skyfit.InputError):
+        mistake()
+    assert issubclass(skyfit.InputError, ValueError)
+
+
+def test_a_mistake_in_a_campaign_file_names_the_file(tmp_path):
+    (tmp_path / "wrong.toml").write_text('schema = "skyfit/campaign/1"\n[sweep]\nturbidity = 0.5\n')
+    with pytest.raises(skyfit.InputError, match=r"wrong.toml: sweep.turbidity\[0\]: .* 1; got 0.5"):
+        skyfit.load_campaign(tmp_path / "wrong.toml")
+
+
+def test_an_error_inside_a_loader_is_not_passed_off_as_the_files(tmp_path, monkeypatch):
+    def broken(*_):
+        raise ValueError("inside")
+
+    monkeypatch.setattr(skyfit.Campaign, "build_atmosphere", broken)
+    with pytest.raises(ValueError, match=r"^inside$"):
+        skyfit.load_campaign(SIMS / "mars.toml")
+
+
+# Rooms whose own checks raise plain ValueErrors still, and a table of skyfit's own.
+EXCEPT = ("fitting", "models", "export", "transfer", "tables.py")
+
+
+def test_every_check_of_skyfits_own_raises_an_input_error():
+    root = Path(skyfit.__file__).parent
+    files = [path for path in root.rglob("*.py") if path.relative_to(root).parts[0] not in EXCEPT]
+    assert len(files) > 100
+    plain = re.compile(r"^\s+raise ValueError\(", re.MULTILINE)
+    assert [path.name for path in files if plain.search(path.read_text())] == []

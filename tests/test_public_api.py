@@ -22,6 +22,7 @@ PUBLIC = {
     "ConstantAmbient",
     "Constituent",
     "Dependence",
+    "InputError",
     "PaperAtmosphere",
     "Refraction",
     "Sensitivity",

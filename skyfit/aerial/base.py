@@ -53,9 +53,9 @@ class AbstractAerialPerspective(eqx.Module):
         """Light of an object as it arrives at the eye.
 
         Args:
-            radiance0: At the object, channel last.
-            distance: From the eye, 0 or more; infinite for the sky or for a full view of the air
-                [m]. A ray that comes to 500 m below altitude 0 ends there.
+            radiance0: Radiance at the object, channel last.
+            distance: Distance from the eye, 0 or more; infinite for the sky or for a full view of
+                the air [m]. A ray that comes to 500 m below altitude 0 ends there.
             view_zenith: Zenith angle of the ray from the eye, in [0, π] [rad].
             relative_azimuth: View azimuth minus sun azimuth [rad].
             observer_altitude: Altitude of the eye [m].

@@ -42,10 +42,10 @@ def by_hermite(
     of 1/K in a form that does not cancel.
 
     Args:
-        layers: What the ray crosses.
-        ray: Its stretch.
-        slopes: Of the cubic's ends. "by v", with respect to the variable it is a cubic in, is right
-            but unbounded where constituent i thins out; "by x", as appendix A.4 can be read, is
+        layers: Layers that the ray crosses.
+        ray: Stretch of the ray.
+        slopes: Slopes at the cubic's ends. "by v", with respect to the variable it is a cubic in, is
+            right but unbounded where constituent i thins out; "by x", as appendix A.4 can be read, is
             wrong but bounded.
     """
     start = ray.density

@@ -28,8 +28,8 @@ class ConstantAmbient(AbstractAerialPerspective):
     Directions and height change nothing.
 
     Attributes:
-        extinction: [m⁻¹].
-        ambient: What all fades into, channel last.
+        extinction: Extinction coefficient of the air [m⁻¹].
+        ambient: Light into which everything fades, channel last.
     """
 
     extinction: Float[Array, " channel"]
@@ -75,9 +75,9 @@ def ward_larson_aerial(
 
     Args:
         atmosphere: Turbidity or atmosphere, as `aerial_perspective` takes it.
-        sky: As `aerial_perspective` takes it.
-        sun_zenith: [rad].
-        wavelengths: With a turbidity [nm].
+        sky: Sky model, as `aerial_perspective` takes it.
+        sun_zenith: Zenith angle of the sun [rad].
+        wavelengths: Wavelengths that go with a turbidity [nm].
         channels: "spectral" or "rgb".
     """
     check_channels(channels, "ward_larson_aerial")

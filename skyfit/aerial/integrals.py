@@ -25,9 +25,9 @@ def by_quadrature(
     rays: within 3e-4 of the light scattered in, from any height up to 12 km, in any direction.
 
     Args:
-        layers: What the ray crosses.
-        ray: Its stretch.
-        nodes: Of the rule.
+        layers: Layers that the ray crosses.
+        ray: Stretch of the ray.
+        nodes: Number of the rule's nodes.
     """
     first_density = ray.density
     strongest = jnp.max(layers.extinction, axis=1)

@@ -27,7 +27,7 @@ class Layers(eqx.Module):
     """Constituents with exponential densities.
 
     Attributes:
-        scale_height: Of each [m].
+        scale_height: Scale height of each layer [m].
         extinction: Coefficient at altitude 0 [m⁻¹]; a channel is a wavelength or a primary, or a
             wavelength as one class of lines sees it.
     """
@@ -40,8 +40,8 @@ class Stretch(eqx.Module):
     """The part of a ray that matters: from an eye at some height up to its end.
 
     Attributes:
-        length: From the eye to the object, or to where nothing more is seen [m].
-        cosine: Of the ray's zenith angle.
+        length: Length from the eye to the object, or to where nothing more is seen [m].
+        cosine: Cosine of the ray's zenith angle.
         density: Relative density of each constituent at the eye.
     """
 
@@ -58,7 +58,7 @@ def exponential_layers(atmosphere: Atmosphere) -> Layers:
     an ozone layer, has no part in aerial perspective.
 
     Args:
-        atmosphere: Without bands; see `skyfit.transfer.line_classes.side_by_side`.
+        atmosphere: Atmosphere without bands; see `skyfit.transfer.line_classes.side_by_side`.
     """
     pairs = [_as_exponential(one.density) for one in atmosphere.constituents]
     ground = jnp.stack([density for density, _ in pairs])
@@ -94,10 +94,10 @@ def stretch(
     """Cut a ray where all beyond is out of sight, thinned out, or below the lowest land.
 
     Args:
-        layers: What it crosses.
-        distance: To the object, 0 or more, or infinite [m].
-        cosine: Of the zenith angle of the ray from the eye.
-        height: Of the eye [m].
+        layers: Layers that the ray crosses.
+        distance: Distance to the object, 0 or more, or infinite [m].
+        cosine: Cosine of the zenith angle of the ray from the eye.
+        height: Altitude of the eye [m].
     """
     distance, cosine, height = jnp.broadcast_arrays(distance, cosine, height)
     height = jnp.maximum(height, LOWEST)

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from ..transfer.line_classes import LineClasses, all_alike
 from . import closed, integrals, layers as along
 from .base import AbstractAerialPerspective
@@ -38,12 +39,12 @@ class AerialPerspective(AbstractAerialPerspective):
 
     Attributes:
         layers: Air and haze; in bands, as every class of lines sees them.
-        source: What they scatter towards the eye at the ground.
-        wavelengths: Of the channels, or of the spectra from which the RGB was made [nm].
-        method: How the path integrals are taken: "quadrature", or for comparison "paper",
+        source: Light that the layers scatter towards the eye at the ground.
+        wavelengths: Wavelengths of the channels, or of the spectra that made the RGB [nm].
+        method: Rule of the path integrals: "quadrature", or for comparison "paper",
             "equation 10" or "hermite".
         channels: "spectral" or "rgb".
-        classes: Of lines, over which spectral light is averaged.
+        classes: Classes of lines over which spectral light is averaged.
     """
 
     layers: Layers
@@ -112,8 +113,8 @@ def aerial_perspective(
             heights; or an atmosphere, see `skyfit.aerial.layers.exponential_layers`.
         sky: A sky model; a function of view zenith and relative azimuth that returns the radiance
             at the wavelengths; or None for the atmosphere's own, simulated with two orders.
-        sun_zenith: One sun; beyond π/2 no sunlight comes [rad].
-        wavelengths: With a turbidity: 380 to 780 nm by 10 if not given [nm].
+        sun_zenith: Zenith angle of one sun; beyond π/2 no sunlight comes [rad].
+        wavelengths: Wavelengths that go with a turbidity, 380 to 780 by 10 if not given [nm].
         channels: "spectral", or "rgb" for linear sRGB.
         method: See `AerialPerspective`.
         sun_irradiance: Direct sunlight at the ground, normal to the beam, one per wavelength; the
@@ -122,12 +123,12 @@ def aerial_perspective(
             not given.
 
     Raises:
-        ValueError: An unknown method or channel, a bad turbidity or sun; wavelengths or an albedo
+        InputError: An unknown method or channel, a bad turbidity or sun; wavelengths or an albedo
             beside an atmosphere, which has its own.
     """
     if method not in METHODS:
         names = ", ".join(repr(name) for name in METHODS)
-        raise ValueError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
+        raise InputError(f"aerial_perspective(method=...): expected one of {names}; got {method!r}")
     check_channels(channels, "aerial_perspective")
     sun = one_sun(sun_zenith, "aerial_perspective")
     air = layered_air(atmosphere, wavelengths, ground_albedo, "aerial_perspective")

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, Scalar, Spectrum, as_float, as_scalar, check
 from ..atmosphere import Atmosphere, Constituent
 from ..colour import xyz_to_rgb, xyz_weights
+from ..errors import InputError
 from ..models import AbstractSkyModel
 from ..preetham_air import preetham_atmosphere
 from ..transfer.line_classes import LineClasses, line_classes, side_by_side
@@ -25,10 +26,10 @@ class Air(NamedTuple):
     """What lies between eye and object.
 
     Attributes:
-        atmosphere: As it was given.
-        plain: The same without bands: a channel for every wavelength and class of lines.
-        layers: Of the latter, exponential.
-        classes: Which channels make up a wavelength.
+        atmosphere: Atmosphere as it was given.
+        plain: Atmosphere without bands: a channel for every wavelength and class of lines.
+        layers: Exponential layers of the atmosphere without bands.
+        classes: Classes of lines, whose channels make up a wavelength.
     """
 
     atmosphere: Atmosphere
@@ -52,7 +53,7 @@ def layered_air(
     """An atmosphere, or that of a turbidity, and its exponential layers.
 
     Raises:
-        ValueError: Bad turbidity; wavelengths or albedo beside an atmosphere, which has its own.
+        InputError: Bad turbidity; wavelengths or albedo beside an atmosphere, which has its own.
     """
     if not isinstance(atmosphere, Atmosphere):
         air = preetham_atmosphere(
@@ -64,7 +65,7 @@ def layered_air(
         return Air(air, air, layers, line_classes(air))
     for name, value in (("wavelengths", wavelengths), ("ground_albedo", ground_albedo)):
         if value is not None:
-            raise ValueError(f"{caller}({name}=...): the atmosphere has its own; got {value!r}")
+            raise InputError(f"{caller}({name}=...): the atmosphere has its own; got {value!r}")
     plain, classes = side_by_side(atmosphere)
     return Air(atmosphere, plain, exponential_layers(plain), classes)
 
@@ -94,7 +95,7 @@ def one_sun(sun_zenith: ArrayLike, caller: str) -> Scalar:
 def check_channels(channels: str, caller: str) -> None:
     """Refuse channels that are neither spectral nor RGB."""
     if channels not in ("spectral", "rgb"):
-        raise ValueError(f"{caller}(channels=...): expected 'spectral' or 'rgb'; got {channels!r}")
+        raise InputError(f"{caller}(channels=...): expected 'spectral' or 'rgb'; got {channels!r}")
 
 
 def sky_radiance(
@@ -110,7 +111,7 @@ def sky_radiance(
         light = as_float(cast(Callable, sky)(*view))
     expected = (zenith.size, air.wavelengths.size)
     if light.shape != expected:
-        raise ValueError(
+        raise InputError(
             f"{caller}(sky=...): expected radiance of shape {expected}, direction by wavelength; "
             f"got {light.shape}"
         )

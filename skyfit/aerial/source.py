@@ -30,9 +30,10 @@ class Source(eqx.Module):
     """Source functions at ground density, read from tables.
 
     Attributes:
-        sun_zenith: [rad].
-        sun: Of sunlight, over the angle to the sun [W m⁻² sr⁻¹ nm⁻¹ m⁻¹, or the channel's unit].
-        sky: Of light from sky and ground, over view zenith in [0, π] and relative azimuth in
+        sun_zenith: Zenith angle of the sun [rad].
+        sun: Table of scattered sunlight over the angle to the sun [W m⁻² sr⁻¹ nm⁻¹ m⁻¹, or the
+            channel's unit].
+        sky: Table of light from sky and ground over view zenith in [0, π], relative azimuth in
             [0, π], the same on both sides of the sun.
     """
 
@@ -105,11 +106,11 @@ def make_source(
     """Tabulate the source functions.
 
     Args:
-        atmosphere: Whose constituents' phase functions, and whose ground.
+        atmosphere: Atmosphere with the phase functions and the ground.
         scattering: Coefficients at the ground [m⁻¹].
         sky: Radiance of the sky in `sky_directions`.
-        sun_zenith: [rad].
-        sun_irradiance: At the ground, normal to the beam.
+        sun_zenith: Zenith angle of the sun [rad].
+        sun_irradiance: Irradiance by the sun at the ground, normal to the beam.
     """
     phases = [one.phase for one in atmosphere.constituents]
     moments = _moments(atmosphere.ground_albedo, sky, sun_zenith, sun_irradiance)

@@ -33,10 +33,10 @@ class Sunset(NamedTuple):
     """Airlight to the east and to the west, by the paper's model and by Ward-Larson's.
 
     Attributes:
-        east: Away from the sun.
-        west: Towards it.
-        constant: By Ward-Larson's model, which knows no direction.
-        hue_shift: From east to west, in (-π, π] [rad].
+        east: Air away from the sun.
+        west: Air towards the sun.
+        constant: Air by Ward-Larson's model, which knows no direction.
+        hue_shift: Turn of the hue from east to west, in (-π, π] [rad].
         chroma_shift: Distance between east and west in the u'v' plane.
     """
 
@@ -56,9 +56,9 @@ def sunset_airlight(
     """Level views east and west under the published sky, half an hour before sunset by default.
 
     Args:
-        distance: To black objects, one axis [m].
+        distance: Distance to black objects, one axis [m].
         turbidity: T.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         observer_altitude: Altitude of the eye [m].
     """
     far, sky = jnp.atleast_1d(as_float(distance)), preetham_sky(turbidity)

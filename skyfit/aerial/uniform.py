@@ -19,7 +19,7 @@ class UniformAir(AbstractAerialPerspective):
 
     Attributes:
         air: The model whose coefficients, phase functions and sun are used.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
     """
 
     air: HoffmanPreethamSky
@@ -47,8 +47,8 @@ def hoffman_preetham_aerial(model: HoffmanPreethamSky, sun_zenith: ArrayLike) ->
     """Aerial perspective that goes with a Hoffman–Preetham sky.
 
     Args:
-        model: From `hoffman_preetham_sky`.
-        sun_zenith: [rad].
+        model: Model that `hoffman_preetham_sky` makes.
+        sun_zenith: Zenith angle of the sun [rad].
     """
     return UniformAir(model, one_sun(sun_zenith, "hoffman_preetham_aerial"))
 

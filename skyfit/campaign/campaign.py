@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from ..preetham_air import PAPER_WAVELENGTHS
 from ..transfer.quality import QUALITIES
 from .checks import axis_of, one_of
@@ -62,7 +63,7 @@ class Campaign:
             where nothing else than a turbidity is swept.
 
     Raises:
-        ValueError: Naming the argument, what was expected and what came.
+        InputError: Naming the argument, what was expected and what came.
     """
 
     turbidity: tuple[float, ...]
@@ -95,7 +96,7 @@ class Campaign:
         sweep: Sweep | Mapping[str, Values] | None = None,
     ):
         if (view_zenith is None) != (relative_azimuth is None):
-            raise ValueError(
+            raise InputError(
                 "Campaign: view_zenith and relative_azimuth describe the directions together; "
                 "got only one of them"
             )
@@ -106,16 +107,16 @@ class Campaign:
         angles = axis_of("view_zenith", view_zenith, 0.0, np.pi, increasing=False)
         azimuths = axis_of("relative_azimuth", relative_azimuth, -np.inf, np.inf, increasing=False)
         if len(angles) != len(azimuths):
-            raise ValueError(
+            raise InputError(
                 "Campaign: expected as many relative_azimuth as view_zenith, one a direction; "
                 f"got {len(azimuths)} and {len(angles)}"
             )
         if orders is not None and (isinstance(orders, bool) or orders < 1):
-            raise ValueError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
+            raise InputError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
         one_of("Campaign", "geometry", geometry, GEOMETRIES)
         one_of("Campaign", "quality", quality, tuple(QUALITIES))
         if not 0 <= observer_altitude < np.inf:
-            raise ValueError(
+            raise InputError(
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
             )
         atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
@@ -203,11 +204,11 @@ class Campaign:
         """Undo `to_dict`.
 
         Raises:
-            ValueError: The record is of another schema, or a value is impossible.
+            InputError: The record is of another schema, or a value is impossible.
         """
         fields = dict(record)
         if (schema := fields.pop("schema", "missing")) != SCHEMA:
-            raise ValueError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
+            raise InputError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
         fields["turbidity"] = fields["turbidity"] or None
         fields["sweep"] = Sweep(**fields["sweep"]) if fields.get("sweep") else None
         kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
@@ -243,7 +244,7 @@ def _wavelengths_of(air: Atmosphere, given: Values | None) -> Values:
         return own
     asked = np.atleast_1d(np.asarray(given, float))
     if asked.shape != own.shape or not np.allclose(asked, own, rtol=1e-6):
-        raise ValueError(
+        raise InputError(
             f"Campaign(wavelengths=...): expected those of the atmosphere, {own.size} from "
             f"{own[0]:g} to {own[-1]:g} nm; got {asked.size} from {asked[0]:g} to {asked[-1]:g} nm"
         )

@@ -8,6 +8,7 @@ import numpy as np
 
 from .._typing import is_traced
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from .plain import from_plain, to_plain
 
 
@@ -30,12 +31,12 @@ class RecordedAtmospheres:
         """The atmosphere of one value.
 
         Raises:
-            ValueError: The record has no atmosphere of that value.
+            InputError: The record has no atmosphere of that value.
         """
         value = swept[self.name]
         if value not in self.atmospheres:
             known = ", ".join(f"{one:g}" for one in self.atmospheres)
-            raise ValueError(
+            raise InputError(
                 f"atmosphere: on record at {self.name} = {known}; not at {value:g}: give the "
                 "function that made them"
             )
@@ -51,7 +52,7 @@ def build_given(given: Any, name: str | None, values: tuple[float, ...]) -> tupl
         values: Values of the parameter.
 
     Raises:
-        ValueError: It is neither, has no such parameter, returns something else, or atmospheres of
+        InputError: It is neither, has no such parameter, returns something else, or atmospheres of
             different wavelengths.
     """
     if isinstance(given, Atmosphere):
@@ -60,7 +61,7 @@ def build_given(given: Any, name: str | None, values: tuple[float, ...]) -> tupl
     first = built[0].wavelengths
     for value, one in zip(values, built, strict=True):
         if one.wavelengths.shape != first.shape or not np.allclose(one.wavelengths, first):
-            raise ValueError(
+            raise InputError(
                 f"Campaign(atmosphere=...): expected the same wavelengths at every {name}; those "
                 f"at {name} = {value:g} are not those at {name} = {values[0]:g}"
             )
@@ -71,11 +72,11 @@ def call_given(function: AtmosphereFunction, name: str, value: float) -> Atmosph
     """The atmosphere that a function makes of one value.
 
     Raises:
-        ValueError: It returns something else.
+        InputError: It returns something else.
     """
     found = function(**{name: value})
     if not isinstance(found, Atmosphere):
-        raise ValueError(
+        raise InputError(
             "Campaign(atmosphere=...): expected a function that returns an Atmosphere; at "
             f"{name} = {value:g} it returned {type(found).__name__}"
         )
@@ -104,7 +105,7 @@ def given_of(
     """Undo `given_record`.
 
     Raises:
-        ValueError: A part is of a class that is not skyfit's own.
+        InputError: A part is of a class that is not skyfit's own.
     """
     built = [from_plain(one) for one in record["atmospheres"]]
     if name is None or len(values) != len(built):
@@ -114,7 +115,7 @@ def given_of(
 
 def _known(air: Atmosphere) -> Atmosphere:
     if is_traced(air):
-        raise ValueError(
+        raise InputError(
             "Campaign(atmosphere=...): expected known numbers; a campaign is ordinary Python and "
             "stays outside jit, vmap and grad"
         )

@@ -11,6 +11,7 @@ import numpy as np
 from .. import phase, profile
 from ..atmosphere import Atmosphere, Constituent, Refraction
 from ..bands import Bands
+from ..errors import InputError
 
 
 # Every class that an atmosphere may be made of; a user's own are not among them.
@@ -51,13 +52,13 @@ def from_plain(record: Any, expected: Any = Atmosphere) -> Any:
             names.
 
     Raises:
-        ValueError: A part is of a class that is not skyfit's own.
+        InputError: A part is of a class that is not skyfit's own.
     """
     if not isinstance(record, dict):
         return jnp.asarray(record) if isinstance(record, float | list) else record
     kinds = [one for one in KNOWN if one.__name__ == record["type"] and _is_a(one, expected)]
     if not kinds:
-        raise ValueError(
+        raise InputError(
             f"atmosphere: {record['type']} is no class of skyfit's; the atmosphere cannot be made "
             "from the record, give the program's own"
         )

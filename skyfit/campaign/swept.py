@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from .checks import axis_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
 from .description.sweep import OBSERVER_ALTITUDE
@@ -31,25 +32,25 @@ def find_swept(
         sweep: Another parameter that was asked for.
 
     Raises:
-        ValueError: The atmosphere cannot be swept so, or is no atmosphere.
+        InputError: The atmosphere cannot be swept so, or is no atmosphere.
     """
     asked = None if turbidity is None or np.size(turbidity) == 0 else turbidity
     if isinstance(sweep, Mapping):
         asked, sweep = _of_mapping(asked, sweep)
     if isinstance(atmosphere, PaperAtmosphere):
         if sweep is not None:
-            raise ValueError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
+            raise InputError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
         return _turbidities(PAPER_TURBIDITIES if asked is None else asked), None
     if isinstance(atmosphere, DescribedAtmosphere):
         if asked is not None:
-            raise ValueError(
+            raise InputError(
                 "Campaign(turbidity=...): only the paper's atmosphere has one; give sweep=..."
             )
         return (), sweep
     if isinstance(atmosphere, Atmosphere):
         if asked is not None or (sweep is not None and sweep.key != OBSERVER_ALTITUDE):
             name = "turbidity" if sweep is None else "sweep"
-            raise ValueError(
+            raise InputError(
                 f"Campaign({name}=...): an Atmosphere stays the same; give atmosphere=... a "
                 "function of what is swept that returns one"
             )
@@ -61,19 +62,19 @@ def _of_function(
     function: Any, turbidity: Values | None, sweep: Sweep | None
 ) -> tuple[tuple[float, ...], Sweep | None]:
     if not callable(function):
-        raise ValueError(
+        raise InputError(
             "Campaign(atmosphere=...): expected an Atmosphere, a function that returns one, or a "
             f"PaperAtmosphere; got {type(function).__name__}"
         )
     name = "turbidity" if sweep is None else sweep.name
     if sweep is not None and (turbidity is not None or sweep.key == OBSERVER_ALTITUDE):
-        raise ValueError(
+        raise InputError(
             "Campaign(sweep=...): expected one parameter, and that of the function; got "
             f"{name}{'' if turbidity is None else ' beside turbidity'}"
         )
     if not takes(function, name):
         called = getattr(function, "__name__", type(function).__name__)
-        raise ValueError(
+        raise InputError(
             f"Campaign(atmosphere=...): expected a function that is called with the swept {name} "
             f"alone; {called} cannot be (sweep={{name: values}} names another parameter)"
         )
@@ -88,12 +89,12 @@ def _of_mapping(
     """The mapping's one parameter, as turbidity or as a `Sweep`."""
     if len(sweep) != 1:
         came = ", ".join(map(str, sweep)) or "none"
-        raise ValueError(f"Campaign(sweep=...): expected one parameter; got {came}")
+        raise InputError(f"Campaign(sweep=...): expected one parameter; got {came}")
     ((name, values),) = sweep.items()
     if name == "turbidity" and turbidity is None:
         return values, None
     if name in TAKEN or not str(name).isidentifier():
-        raise ValueError(f"Campaign(sweep=...): {name} is taken, or no name; give another")
+        raise InputError(f"Campaign(sweep=...): {name} is taken, or no name; give another")
     key = OBSERVER_ALTITUDE if name == "observer_altitude" else name
     low = 0.0 if key == OBSERVER_ALTITUDE else -np.inf
     return turbidity, Sweep(name, key, axis_of(f"sweep={{{name!r}", values, low, np.inf))

@@ -1,5 +1,6 @@
 """The command line: parse, call, print. `skyfit COMMAND --help` says what each takes."""
 
+import os
 import sys
 import traceback
 import warnings
@@ -7,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
+
+from skyfit.errors import InputError
 
 from .benchmarks import benchmarks
 from .compare import compare
@@ -19,10 +22,19 @@ from .reproduce import reproduce
 from .simulate import simulate
 
 
+TRACEBACK = "SKYFIT_TRACEBACK"  # of the environment
+# Rooms whose own checks raise plain ValueErrors still.
+_TO_COME = [
+    Path(__file__).resolve().parents[1] / room
+    for room in ("fitting", "models", "export", "transfer")
+]
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave with its exit status.
 
-    0 on success; 2 on a user's mistake, with one line that names it; 1 for a bug; 130 when
+    0 on success; 2 on a user's mistake, with one line that names it; 1 for an error inside, with
+    one line, and the traceback before it where the environment has SKYFIT_TRACEBACK; 130 when
     interrupted.
     """
     sys.exit(run(arguments))
@@ -42,9 +54,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
             return complain(f"{error.filename}: {error.strerror}", MISTAKE)
         if _is_mistake(error):
             return complain(str(error), MISTAKE)
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        what = f"{type(error).__name__}: {error}"
-        return complain(f"bug: {what} ({Path(where.filename).name}:{where.lineno})", BUG)
+        return _admit(error)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -67,8 +77,18 @@ def _one_line(message, category, filename, lineno, file=None, line=None) -> None
 
 def _is_mistake(error: Exception) -> bool:
     """Whether skyfit itself refused something, or the system refused a file."""
-    if isinstance(error, OSError):
+    if isinstance(error, OSError | InputError):
         return True
-    innermost = traceback.extract_tb(error.__traceback__)[-1].filename
-    ours = Path(innermost).is_relative_to(Path(__file__).parents[1])
-    return isinstance(error, ValueError) and ours
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    refused = (last.line or "").startswith("raise ValueError(")
+    room = Path(last.filename).resolve().parent
+    return type(error) is ValueError and refused and room in _TO_COME
+
+
+def _admit(error: Exception) -> int:
+    """Say that skyfit is at fault, in one line, and how to see where."""
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    what = f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
+    return complain(f"internal error: {what}; set {TRACEBACK}=1 for the traceback", BUG)

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._typing import as_scalar, check
+from ..errors import InputError
 from ..fitting import SkyFit
 from .models import MODELS, Conditions, Entry, HasColour
 
@@ -36,10 +37,10 @@ def compare_skies(
 
     Args:
         sun_zenith: Zenith angle of the sun, in [0, π] [rad].
-        turbidity: 1 or more.
+        turbidity: Turbidity, 1 or more.
         fits: Fits to be rows as well, by name.
-        models: Which models; all that are known by default. Those whose package is not installed
-            are left out.
+        models: Names of the models; all that are known by default. Those whose package is not
+            installed are left out.
 
     Returns:
         For each model its `model` name; `luminance` [cd m⁻²] at the zenith, at 45° on the sun's
@@ -49,7 +50,7 @@ def compare_skies(
         valid range; `white`, what counts as luminance 1 where the model knows no cd m⁻², or None.
 
     Raises:
-        ValueError: A sun or turbidity out of range, or a fit of something else than turbidity.
+        InputError: A sun or turbidity out of range, or a fit of something else than turbidity.
     """
     sun = as_scalar(sun_zenith, "compare_skies(sun_zenith=...)")
     haze = as_scalar(turbidity, "compare_skies(turbidity=...)")
@@ -63,7 +64,7 @@ def compare_skies(
 
 def _entry(name: str, fit: SkyFit) -> Entry:
     if set(fit.swept) - {"turbidity"}:
-        raise ValueError(
+        raise InputError(
             f"compare_skies(fits=...): {name} is a fit over {sorted(fit.swept)}, "
             "expected turbidity or nothing"
         )

@@ -44,7 +44,7 @@ class Conditions:
     """The sky that is looked at.
 
     Attributes:
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         turbidity: 1 or more.
     """
 
@@ -57,10 +57,10 @@ class Entry:
     """A row of the table.
 
     Attributes:
-        name: What the row is called.
+        name: Name of the row.
         sky: Makes the model for the conditions; its `valid_range`, if it has one, is heeded.
-        package: What must be installed beside skyfit, if anything.
-        white: What counts as luminance 1, in words, for a model that knows no cd/m².
+        package: Package that must be installed beside skyfit, if any.
+        white: Words for what counts as luminance 1 in a model that knows no cd/m².
     """
 
     name: str

@@ -29,7 +29,7 @@ class HosekWilkieSky:
 
     Attributes:
         turbidity: 1 to 10; held at the nearest end outside.
-        ground_albedo: 0 to 1.
+        ground_albedo: Albedo of the ground, 0 to 1.
     """
 
     turbidity: float
@@ -51,7 +51,7 @@ class HosekWilkieSky:
             sun_zenith: Zenith angle of the sun, one [rad].
             view_zenith: Zenith angle of the view direction [rad].
             relative_azimuth: View azimuth minus sun azimuth [rad].
-            wavelengths: One axis, each from 320 to 720 [nm].
+            wavelengths: Wavelengths on one axis, each from 320 to 720 [nm].
         """
         view, azimuth = np.broadcast_arrays(view_zenith, relative_azimuth)
         wanted = np.asarray(wavelengths, float)

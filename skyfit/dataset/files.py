@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..error_estimate import ERRORS, covers, estimate_of
-from ..errors import not_found
+from ..errors import InputError, not_found
 from .record import SCHEMA
 
 
@@ -22,18 +22,18 @@ def save_dataset(
     """Write a sky dataset.
 
     Args:
-        dataset: As `run_campaign` returns it.
-        path: Ends in .zarr for a zarr store, in .nc for a netCDF file.
+        dataset: Skies as `run_campaign` returns them.
+        path: Name that ends in .zarr for a zarr store, in .nc for a netCDF file.
         overwrite: Replace a sky dataset that is there; nothing else is ever replaced.
 
     Raises:
-        ValueError: Another ending; something is there that must not be replaced.
+        InputError: Another ending; something is there that must not be replaced.
     """
     kind = check_suffix(path)
     if Path(path).exists():
         stored_attributes(path)
         if not overwrite:
-            raise ValueError(f"{path}: exists already; give another name or overwrite=True")
+            raise InputError(f"{path}: exists already; give another name or overwrite=True")
     if kind == ".zarr":
         dataset.to_zarr(path, mode="w", consolidated=False)
     else:
@@ -53,14 +53,14 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: The file is not one, is unfinished, or holds a NaN or an infinity.
+        InputError: The file is not one, is unfinished, or holds a NaN or an infinity.
     """
     stored_attributes(path)
     dataset = _read(path)
     if "done" in dataset:
         done, total = int(dataset["done"].sum()), dataset["done"].size
         if done < total:
-            raise ValueError(
+            raise InputError(
                 f"{path}: {done} of {total} skies are done; run the same campaign into it again "
                 "to finish"
             )
@@ -70,7 +70,7 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
     for name, array in dataset.data_vars.items():
         bad = int(np.count_nonzero(~np.isfinite(array.values)))
         if bad:
-            raise ValueError(f"{path}: {name} has {bad} non-finite values of {array.size}")
+            raise InputError(f"{path}: {name} has {bad} non-finite values of {array.size}")
     return dataset
 
 
@@ -78,11 +78,11 @@ def check_suffix(path: str | PathLike[str]) -> str:
     """The kind of file a name stands for, ".zarr" or ".nc".
 
     Raises:
-        ValueError: It is neither.
+        InputError: It is neither.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
-        raise ValueError(f"{path}: expected a name ending in {' or '.join(SUFFIXES)}")
+        raise InputError(f"{path}: expected a name ending in {' or '.join(SUFFIXES)}")
     return suffix
 
 
@@ -91,7 +91,7 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
 
     Raises:
         FileNotFoundError: There is none.
-        ValueError: What is there is not a sky dataset of this schema.
+        InputError: What is there is not a sky dataset of this schema.
     """
     kind = check_suffix(path)
     if not Path(path).exists():
@@ -100,9 +100,9 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
         with _open(path, kind) as dataset:
             attributes = dict(dataset.attrs)
     except (OSError, ValueError, KeyError):
-        raise ValueError(f"{path}: exists and is not a sky dataset") from None
+        raise InputError(f"{path}: exists and is not a sky dataset") from None
     if (schema := attributes.get("schema", "missing")) != SCHEMA:
-        raise ValueError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
+        raise InputError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
     return attributes
 
 

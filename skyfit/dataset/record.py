@@ -19,6 +19,7 @@ from ..campaign.given import KIND
 from ..campaign.plain import to_plain
 from ..colour import spectrum_to_xyY
 from ..error_estimate import ERRORS
+from ..errors import InputError
 from ..provenance import package_version, versions
 
 
@@ -48,8 +49,8 @@ def sky_dataset(campaign: Campaign, variables: dict[str, np.ndarray]) -> xr.Data
     """Put simulated skies on record.
 
     Args:
-        campaign: What was simulated.
-        variables: From `sky_variables`, with the campaign's `sky_dims` before their axes.
+        campaign: Campaign that was simulated.
+        variables: Arrays of `sky_variables`, with the campaign's `sky_dims` before their axes.
     """
     swept, values = campaign.swept
     front = campaign.sky_dims
@@ -82,9 +83,9 @@ def sky_variables(
     """Radiance, and the luminance and chromaticity it has where there is a spectrum to weigh.
 
     Args:
-        radiance: [..., direction, wavelength] in W m⁻² sr⁻¹ nm⁻¹.
-        wavelengths: [nm].
-        by_order: [..., order, direction, wavelength], if kept.
+        radiance: Spectral radiance [..., direction, wavelength] in W m⁻² sr⁻¹ nm⁻¹.
+        wavelengths: Wavelengths of the radiance [nm].
+        by_order: Radiance by order [..., order, direction, wavelength], if kept.
     """
     variables = {"radiance": radiance}
     if len(wavelengths) > 1:
@@ -99,9 +100,9 @@ def with_errors(dataset: xr.Dataset, errors: np.ndarray) -> xr.Dataset:
     """A dataset with the estimated relative error of every radiance beside it.
 
     Args:
-        dataset: As `run_campaign` returns it.
-        errors: Of the radiance's shape. Kept in single precision: two digits are all they are
-            worth.
+        dataset: Skies as `run_campaign` returns them.
+        errors: Relative errors, of the radiance's shape. Kept in single precision: two digits are
+            all they are worth.
     """
     values = errors.astype(np.float32)
     return dataset.assign({ERRORS: (dataset["radiance"].dims, values, describe(ERRORS))})
@@ -111,10 +112,10 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     """The campaign that made a simulated dataset, from its attributes alone.
 
     Raises:
-        ValueError: The dataset was not simulated, or by an incompatible version.
+        InputError: The dataset was not simulated, or by an incompatible version.
     """
     if "campaign" not in dataset.attrs:
-        raise ValueError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
+        raise InputError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
     plan = json.loads(dataset.attrs["campaign"])
     if plan["atmosphere"].get("kind") == KIND:
         plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])

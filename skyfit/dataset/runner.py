@@ -25,6 +25,7 @@ from ..error_estimate import (
     sum_up,
     warn_where_large,
 )
+from ..errors import InputError
 from ..transfer.simulate_sky import coarser_radiance, simulate
 from ..transfer.trust import estimated_error, refuse_impossible
 from .files import check_suffix, load_dataset, save_dataset
@@ -71,7 +72,7 @@ def run_campaign(
     """Simulate every sky of a campaign.
 
     Args:
-        campaign: What to simulate.
+        campaign: Campaign to simulate.
         progress: Called as `progress("skies", done, total)`, and after that, where errors are
             estimated, as `progress("error estimate", done, total)`; both count skies.
         store: A name ending in .zarr or .nc to save the skies under. A .zarr store keeps every
@@ -90,7 +91,7 @@ def run_campaign(
         `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
 
     Raises:
-        ValueError: `store` holds something else, or a store of another campaign; an argument is
+        InputError: `store` holds something else, or a store of another campaign; an argument is
             impossible; a radiance is negative or not finite.
 
     Warns:
@@ -99,13 +100,13 @@ def run_campaign(
     if suns_per_call is None:
         suns_per_call = min(12, len(campaign.sun_zenith))
     if workers < 1 or suns_per_call < 1:
-        raise ValueError(
+        raise InputError(
             "run_campaign: expected workers and suns_per_call of 1 or more; "
             f"got {workers} and {suns_per_call}"
         )
     if estimate_error not in CHECKS:
         expected = ", ".join(repr(name) for name in CHECKS)
-        raise ValueError(
+        raise InputError(
             f"run_campaign(estimate_error=...): expected one of {expected}; got {estimate_error!r}"
         )
     places = [

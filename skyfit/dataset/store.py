@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ..campaign import Campaign
+from ..errors import InputError
 from .files import check_suffix, stored_attributes
 from .record import sky_dataset
 
@@ -25,18 +26,19 @@ class SkyStore:
     are not done are NaN.
 
     Args:
-        path: Ends in .zarr. Made if absent, continued if it is of the same campaign.
-        template: The campaign's dataset with NaN for every sky.
+        path: Name that ends in .zarr; the store is made if absent, continued if it is of the same
+            campaign.
+        template: Dataset of the campaign with NaN for every sky.
 
     Raises:
-        ValueError: Something else is there, or a store of another campaign.
+        InputError: Something else is there, or a store of another campaign.
     """
 
     def __init__(self, path: str | PathLike[str], template: xr.Dataset):
         import zarr
 
         if check_suffix(path) != ".zarr":
-            raise ValueError(f"{path}: only a .zarr store can be filled sky by sky")
+            raise InputError(f"{path}: only a .zarr store can be filled sky by sky")
         self.path = Path(path)
         if self.path.exists():
             refuse_another(self.path, template)
@@ -61,14 +63,14 @@ class SkyStore:
     def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
         if self._done is None:
-            raise ValueError(f"{self.path}: is complete; no sky can be added")
+            raise InputError(f"{self.path}: is complete; no sky can be added")
         for name, array in variables.items():
             self._arrays[name][sky] = array
         self._done[sky] = 1
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Of the dataset, as they are on disk."""
+        """Attributes of the dataset, as they are on disk."""
         return dict(self._group.attrs)
 
     def put_attributes(self, attributes: dict[str, str]) -> None:
@@ -79,7 +81,7 @@ class SkyStore:
         """A variable beside those of the template, to be filled sky by sky with `put`.
 
         Args:
-            name: Of the variable.
+            name: Name of the variable.
             blank: NaN for every sky; written if the store has no variable of that name.
 
         Returns:
@@ -118,14 +120,14 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
     """Refuse a dataset on disk that this campaign did not make.
 
     Raises:
-        ValueError: It is of another campaign, version or precision, or no sky dataset at all.
+        InputError: It is of another campaign, version or precision, or no sky dataset at all.
     """
     found = stored_attributes(path)
     for name in IDENTITY:
         if found.get(name) != template.attrs[name]:
             made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
             how = made.get(name, "by another campaign")
-            raise ValueError(f"{path}: was made {how}; give another name")
+            raise InputError(f"{path}: was made {how}; give another name")
 
 
 def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:
@@ -143,7 +145,7 @@ def _array(group: Any, name: str) -> Any:
 
     array = group[name]
     if not isinstance(array, zarr.Array):
-        raise ValueError(f"{group.store}: {name} is not an array")
+        raise InputError(f"{group.store}: {name} is not an array")
     return array
 
 
@@ -151,9 +153,9 @@ def empty_skies(campaign: Campaign, shapes: dict[str, tuple[int, ...]], dtype) -
     """The dataset of a campaign before its first sky: NaN everywhere.
 
     Args:
-        campaign: What will be simulated.
-        shapes: Of each variable of one sky.
-        dtype: Of the radiance.
+        campaign: Campaign that will be simulated.
+        shapes: Shape of each variable of one sky.
+        dtype: Type of the radiance's numbers.
     """
     skies = campaign.sky_shape
     blank = {name: np.full((*skies, *shape), np.nan, dtype) for name, shape in shapes.items()}

@@ -3,6 +3,7 @@
 import abc
 import ast
 
+from ..errors import InputError
 from .description import BUILT_IN, VECTORS, Function, Line
 
 
@@ -112,7 +113,7 @@ class AbstractDialect(abc.ABC):
                 return self._binary(node)
             case ast.Call(func=ast.Name(id=name), args=args):
                 return self._call(name, [self._write(arg)[0] for arg in args]), _TIGHT
-        raise ValueError(f"not in the syntax of descriptions: {ast.unparse(node)}")
+        raise InputError(f"not in the syntax of descriptions: {ast.unparse(node)}")
 
     def _binary(self, node: ast.BinOp) -> tuple[str, int]:
         sign, binds = _SIGNS[type(node.op)]
@@ -138,5 +139,5 @@ class AbstractDialect(abc.ABC):
         if name in self.functions:
             return f"{self.prefix}_{name}({', '.join(arguments)})"
         if name not in BUILT_IN:
-            raise ValueError(f"not in the syntax of descriptions: {name}(...)")
+            raise InputError(f"not in the syntax of descriptions: {name}(...)")
         return f"{self.names.get(name, name)}({', '.join(arguments)})"

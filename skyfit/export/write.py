@@ -5,6 +5,7 @@ import math
 import re
 from typing import Any
 
+from ..errors import InputError
 from ..fitting import SkyFit
 from ..models.formula import FormulaSky
 from .description import Description
@@ -47,9 +48,9 @@ def export_fit(fit: SkyFit | FormulaSky, format: str, *, name: str = "sky") -> s
         ValueError: Unknown format, or a name that no language takes.
     """
     if format not in FORMATS:
-        raise ValueError(f"export_fit(format=...): expected one of {list(FORMATS)}; got {format!r}")
+        raise InputError(f"export_fit(format=...): expected one of {list(FORMATS)}; got {format!r}")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or "__" in name or name.startswith("gl_"):
-        raise ValueError(
+        raise InputError(
             f"export_fit(name=...): expected a letter, then letters, digits and single "
             f"underscores; got {name!r}"
         )

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from .._typing import as_float
+from ..errors import InputError
 from ..models.basis import Basis
 from .choices import FitSettings, Formula
 from .lanes import Solution, solve_from_starts
@@ -182,7 +183,7 @@ def _starts(skies: Skies, formula: Formula, settings: FitSettings):
     distribution, given = formula.distribution, dict(settings.starts or {})
     unknown = set(given) - set(skies.channels)
     if unknown:
-        raise ValueError(
+        raise InputError(
             f"fit_sky(starts=...): expected channels of {skies.channels}; got {sorted(unknown)}"
         )
     own = [distribution.starts(name) for name in skies.channels]
@@ -191,7 +192,7 @@ def _starts(skies: Skies, formula: Formula, settings: FitSettings):
     ]
     for name, row in given.items():
         if len(row) != len(distribution.names):
-            raise ValueError(
+            raise InputError(
                 f"fit_sky(starts=...): {name} expected {len(distribution.names)} coefficients; "
                 f"got {len(row)}"
             )
@@ -199,7 +200,7 @@ def _starts(skies: Skies, formula: Formula, settings: FitSettings):
     free = np.asarray(release(distribution, as_float(np.array(rows, float))), float)
     for name, row, coordinates in zip(skies.channels, rows, free, strict=True):
         if not np.isfinite(coordinates[0]).all():
-            raise ValueError(
+            raise InputError(
                 f"fit_sky(starts=...): {name} starts out of bounds; got {list(row[0])}"
             )
     return free[:, 1], np.delete(free, 1, axis=1).swapaxes(0, 1)

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .._typing import as_float
 from ..colour import xyY_to_xyz, xyz_to_rgb
+from ..errors import InputError
 from ..models.formula import CHANNEL_KINDS
 from .skies import Skies, read_skies, zenith_values
 
@@ -36,19 +37,19 @@ def read_channels(data: "xr.Dataset", channels: Channels, caller: str = "fit_sky
     if isinstance(channels, str) and channels in CHANNEL_KINDS:
         return _colours(skies, channels, caller)
     if isinstance(channels, str) and channels != "spectrum":
-        raise ValueError(
+        raise InputError(
             f"{caller}(channels=...): expected one of {[*CHANNEL_KINDS, 'spectrum']}, or "
             f"wavelengths in nm; got {channels!r}"
         )
     for name in ("radiance", "wavelength"):
         if name not in data.variables:
-            raise ValueError(f"{caller}(data=...): spectral bands need {name!r}; there is none")
+            raise InputError(f"{caller}(data=...): spectral bands need {name!r}; there is none")
     known = np.asarray(data["wavelength"].values, float)
     bands = known if isinstance(channels, str) else np.asarray(channels, float)
     if bands.ndim != 1 or bands.size < 2 or np.any(np.diff(bands) <= 0):
-        raise ValueError(f"{caller}(channels=...): expected two or more increasing wavelengths")
+        raise InputError(f"{caller}(channels=...): expected two or more increasing wavelengths")
     if bands[0] < known[0] or bands[-1] > known[-1]:
-        raise ValueError(
+        raise InputError(
             f"{caller}(channels=...): expected wavelengths within {known[0]:g} to {known[-1]:g} "
             f"nm, those of the data; got {bands[0]:g} to {bands[-1]:g}"
         )
@@ -69,7 +70,7 @@ def _with(skies, values, names, kind, caller, bands=None):
     for name, value in zip(names, values, strict=True):
         bad = np.count_nonzero(~(np.isfinite(value) & (value > 0)))
         if bad:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(channels=...): {name} must be above 0; {bad} of {value.size} are not"
             )
     return dataclasses.replace(

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from ..errors import InputError
 from ..models.basis import SUN, Basis, Chebyshev, Line, Tents
 from ..models.distribution import AbstractDistribution
 from ..models.domes import DISTRIBUTIONS
@@ -55,11 +56,11 @@ class Dependence:
     def __post_init__(self):
         """Refuse what is no choice."""
         if self.kind not in KINDS:
-            raise ValueError(f"Dependence(kind=...): expected one of {KINDS}; got {self.kind!r}")
+            raise InputError(f"Dependence(kind=...): expected one of {KINDS}; got {self.kind!r}")
         if min(self.parameter_degree, self.sun_degree) < 0:
-            raise ValueError("Dependence: expected degrees of 0 or more")
+            raise InputError("Dependence: expected degrees of 0 or more")
         if self.sun_function not in SUN_FUNCTIONS:
-            raise ValueError(
+            raise InputError(
                 f"Dependence(sun_function=...): expected one of {tuple(SUN_FUNCTIONS)}; "
                 f"got {self.sun_function!r}"
             )
@@ -165,24 +166,24 @@ def chosen_formula(
     """
     if isinstance(distribution, str):
         if distribution not in DISTRIBUTIONS:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(distribution=...): expected one of {tuple(DISTRIBUTIONS)}; "
                 f"got {distribution!r}"
             )
         distribution = DISTRIBUTIONS[distribution]()
     if isinstance(dependence, str):
         if dependence not in NAMED:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(dependence=...): expected one of {tuple(NAMED)} or a Dependence; "
                 f"got {dependence!r}"
             )
         dependence = NAMED[dependence]
     if not isinstance(distribution, AbstractDistribution):
-        raise ValueError(
+        raise InputError(
             f"{caller}(distribution=...): expected a name or a distribution; got {distribution!r}"
         )
     if not isinstance(dependence, Dependence):
-        raise ValueError(
+        raise InputError(
             f"{caller}(dependence=...): expected a name or a Dependence; got {dependence!r}"
         )
     return Formula(distribution, dependence)
@@ -214,11 +215,11 @@ class FitSettings:
         for name, allowed in (("weights", WEIGHTS), ("residuals", RESIDUALS)):
             got = getattr(self, name)
             if got not in allowed:
-                raise ValueError(f"fit_sky({name}=...): expected one of {allowed}; got {got!r}")
+                raise InputError(f"fit_sky({name}=...): expected one of {allowed}; got {got!r}")
         if not 0 < self.max_view_zenith <= np.pi / 2:
-            raise ValueError(
+            raise InputError(
                 "fit_sky(max_view_zenith=...) must lie in 0 to π/2 rad; "
                 f"got {self.max_view_zenith:.6g}"
             )
         if not self.prior >= 0:
-            raise ValueError(f"fit_sky(prior=...) must be 0 or more; got {self.prior:.6g}")
+            raise InputError(f"fit_sky(prior=...) must be 0 or more; got {self.prior:.6g}")

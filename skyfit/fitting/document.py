@@ -13,6 +13,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from ..errors import InputError
 from .older_files import upgraded
 
 
@@ -46,19 +47,19 @@ def read_document(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         return upgraded(document)
     except KeyError as error:
-        raise ValueError(f"{path}: key {error} is missing") from error
+        raise InputError(f"{path}: key {error} is missing") from error
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+        raise InputError(f"{path}: {error}") from error
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: expected a fit in JSON; {error}") from error
+        raise InputError(f"{path}: expected a fit in JSON; {error}") from error
     schema = document.get("schema", "missing") if isinstance(document, dict) else "missing"
     if schema not in READABLE:
-        raise ValueError(f"{path}: schema is {schema!r}, expected {SCHEMA!r} or an older one")
+        raise InputError(f"{path}: schema is {schema!r}, expected {SCHEMA!r} or an older one")
     return document
 
 
@@ -67,9 +68,9 @@ def array_of(path: Any, key: str, value: Any, shape: tuple[int, ...]) -> np.ndar
     try:
         array = np.array(value, float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: {key}: expected {shape} numbers; {error}") from error
+        raise InputError(f"{path}: {key}: expected {shape} numbers; {error}") from error
     if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{path}: {key}: expected {shape} numbers; got shape {array.shape}")
+        raise InputError(f"{path}: {key}: expected {shape} numbers; got shape {array.shape}")
     return array
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import InputError
 from ..models.basis import basis_from
 from ..models.domes import distribution_from
 from ..models.formula import CHANNEL_KINDS
@@ -28,25 +29,25 @@ def load_fit(path: str | PathLike[str]) -> SkyFit:
     try:
         return _fit(path, document)
     except KeyError as error:
-        raise ValueError(f"{path}: key {error} is missing") from error
+        raise InputError(f"{path}: key {error} is missing") from error
 
 
 def _fit(path, document) -> SkyFit:
     formula = document["formula"]
     kind, names = formula["kind"], formula["channels"]
     if kind not in (*CHANNEL_KINDS, "bands"):
-        raise ValueError(f"{path}: formula.kind: expected a kind of channels; got {kind!r}")
+        raise InputError(f"{path}: formula.kind: expected a kind of channels; got {kind!r}")
     if kind in CHANNEL_KINDS and tuple(names) != CHANNEL_KINDS[kind]:
-        raise ValueError(f"{path}: formula.channels: expected {CHANNEL_KINDS[kind]}; got {names}")
+        raise InputError(f"{path}: formula.channels: expected {CHANNEL_KINDS[kind]}; got {names}")
     try:
         distribution = distribution_from(formula["distribution"])
         basis = basis_from(formula["basis"])
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: formula: {error}") from error
+        raise InputError(f"{path}: formula: {error}") from error
     try:
         scale = scale_from(formula["scale"])
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: formula.scale: {error}") from error
+        raise InputError(f"{path}: formula.scale: {error}") from error
     size = (len(distribution.names), basis.num_terms)
 
     def tables(key, record):

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..errors import InputError
 from ..models.domes import DISTRIBUTIONS
 
 
@@ -14,7 +15,7 @@ def upgraded(document: dict[str, Any]) -> dict[str, Any]:
     """
     form = document.get("form", "published")  # schema 1 had no other
     if form not in ("published", "formula"):
-        raise ValueError(f"form: expected 'published' or 'formula'; got {form!r}")
+        raise InputError(f"form: expected 'published' or 'formula'; got {form!r}")
     name, ends = document["parameter_name"], document["parameter_range"]
     swept = {name: ends} if name else {}
     upgrade = _published if form == "published" else _formula
@@ -92,7 +93,7 @@ def _axes(dependence, swept):
         suns = _chebyshev("sun_zenith", sun, sun["function"])
         axes = [_chebyshev(name, parameter, "identity"), suns]
     else:
-        raise ValueError(
+        raise InputError(
             f"formula: expected a dependence of kind 'polynomial' or 'nodes'; "
             f"got {dependence['kind']!r}"
         )

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
+from ..errors import InputError
 from ..models.basis import Basis
 from ..models.distribution import AbstractDistribution
 from ..models.formula import FormulaSky, Ranges
@@ -223,7 +224,7 @@ class SkyFit(eqx.Module):
         """
         expected = [name for name, _ in self.ranges]
         if sorted(swept) != sorted(expected):
-            raise ValueError(f"SkyFit.sky: expected the parameters {expected}; got {list(swept)}")
+            raise InputError(f"SkyFit.sky: expected the parameters {expected}; got {list(swept)}")
         values = {}
         for name, valid in self.ranges:
             where = f"SkyFit.sky({name}=...)"

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from .._typing import as_float
 from ..angles import view_sun_angle
 from ..colour import spectrum_to_xyY
+from ..errors import InputError
 from ..models.basis import SUN
 from ..models.formula import CHANNELS
 
@@ -144,13 +145,13 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     """
     for name in ("view_zenith", "relative_azimuth", "sun_zenith"):
         if name not in data.variables:
-            raise ValueError(f"{caller}(data=...): expected a variable {name!r}; there is none")
+            raise InputError(f"{caller}(data=...): expected a variable {name!r}; there is none")
     channels = _channels(data, caller)
     dims = tuple(str(d) for d in channels["Y"].dims if d != "direction")
     swept = [d for d in dims if d not in SUN_DIMENSIONS]
     for name in swept:
         if name not in data.coords:
-            raise ValueError(f"{caller}(data=...): dimension {name!r} has no coordinate values")
+            raise InputError(f"{caller}(data=...): dimension {name!r} has no coordinate values")
     shape = tuple(channels["Y"].sizes[d] for d in dims)
     template = channels["Y"].transpose(*dims, "direction")
 
@@ -158,7 +159,7 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
         like = template if directions else template.isel(direction=0)
         alien = [str(d) for d in variable.dims if d not in like.dims]
         if alien:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(data=...): {variable.name} has dimensions {alien} that luminance lacks"
             )
         array = variable.broadcast_like(like).transpose(*like.dims)
@@ -186,7 +187,7 @@ def _channels(data: "xr.Dataset", caller: str) -> dict[str, "xr.DataArray"]:
     if not missing:
         return {channel: data[name] for channel, name in VARIABLES.items()}
     if "radiance" not in data.variables or "wavelength" not in data.variables:
-        raise ValueError(
+        raise InputError(
             f"{caller}(data=...): expected the variables {list(VARIABLES.values())}, or radiance "
             f"over wavelength; {missing} are missing"
         )
@@ -202,13 +203,13 @@ def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
     for name, array in checked.items():
         bad = np.count_nonzero(~np.isfinite(array))
         if bad:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(data=...): {name} has {bad} non-finite values of {array.size}"
             )
     for name in VARIABLES.values():
         bad = np.count_nonzero(checked[name] <= 0)
         if bad:
-            raise ValueError(
+            raise InputError(
                 f"{caller}(data=...): {name} must be above 0; {bad} of {checked[name].size} "
                 "values are not"
             )
@@ -219,7 +220,7 @@ def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
     ):
         outside = (checked[name] < low - 1e-6) | (checked[name] > high + 1e-6)
         if outside.any():
-            raise ValueError(
+            raise InputError(
                 f"{caller}(data=...): {name} must lie in {words}; "
                 f"got {checked[name][outside][0]:.6g}"
             )

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._typing import as_float
+from ..errors import InputError
 from ..models.basis import Basis
 from .choices import SCALE, FitSettings, Formula
 from .skies import Skies
@@ -64,7 +65,7 @@ def direction_weights(
     """Weight of each direction; beyond the limit, what the distribution keeps to the horizon."""
     weight = skies.weights(settings.weights, settings.max_view_zenith)
     if not weight.any():
-        raise ValueError(
+        raise InputError(
             "fit_sky(max_view_zenith=...): no direction lies within "
             f"{settings.max_view_zenith:.6g} rad of the zenith"
         )

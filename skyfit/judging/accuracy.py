@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
+from ..errors import InputError
 from ..fitting import SkyFit
 from ..fitting.choices import MAX_VIEW_ZENITH
 from ..fitting.fit import fit_formula
@@ -103,7 +104,7 @@ def _is_dataset(sky: Sky) -> bool:
 
 def _dataset_shape(table: Skies, sampling: Skies) -> Float[np.ndarray, "channel sky direction"]:
     if table.zenith is None:
-        raise ValueError("shape_error: a dataset without a zenith direction has no F / F₀")
+        raise InputError("shape_error: a dataset without a zenith direction has no F / F₀")
     pairs = [(getattr(table, n), getattr(sampling, n)) for n in ("view_zenith", "relative_azimuth")]
     pairs += [(table.sun_zenith, sampling.sun_zenith)]
     pairs += [(table.swept.get(name), values) for name, values in sampling.swept.items()]
@@ -112,7 +113,7 @@ def _dataset_shape(table: Skies, sampling: Skies) -> Float[np.ndarray, "channel 
         for one, other in pairs
     )
     if not same:
-        raise ValueError("shape_error: expected datasets of the same skies and directions")
+        raise InputError("shape_error: expected datasets of the same skies and directions")
     return table.values / table.zenith[..., None]
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..errors import InputError
 from ..fitting import Dependence, Positivity, SkyFit
 from ..fitting.channels import Channels, read_channels
 from ..fitting.choices import MAX_VIEW_ZENITH, FitSettings, chosen_formula
@@ -144,7 +145,7 @@ def leave_out(skies: Skies) -> Iterator[Bool[np.ndarray, " sky"]]:
     quantities = list(skies.quantities.values())
     axes = [np.unique(values.round(9))[1:-1] for values in quantities]
     if not any(axis.size for axis in axes):
-        raise ValueError(
+        raise InputError(
             "ladder(data=...): nothing to leave out; expected three or more suns, or values of "
             "the parameter, or skies to judge by in held_out"
         )
@@ -174,7 +175,7 @@ def _evaluate(fit: SkyFit, skies: Skies) -> dict[str, Float[np.ndarray, "sky dir
 
 def _same_kind(skies: Skies, judged: Skies) -> None:
     if set(skies.swept) != set(judged.swept):
-        raise ValueError(
+        raise InputError(
             f"ladder(held_out=...): expected skies over {sorted(skies.swept)}; "
             f"got {sorted(judged.swept)}"
         )
@@ -182,7 +183,7 @@ def _same_kind(skies: Skies, judged: Skies) -> None:
     for name, (low, high) in given.items():
         first, last = {"sun_zenith": judged.sun_zenith_range, **judged.ranges}[name]
         if first < low - 1e-6 or last > high + 1e-6:
-            raise ValueError(
+            raise InputError(
                 f"ladder(held_out=...): {name} must lie within that of data, "
                 f"{low:.6g} to {high:.6g}; got {first:.6g} to {last:.6g}"
             )

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, Scalar, as_parameter, as_scalar, check
 from ..atmosphere import Atmosphere, Constituent
 from ..constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from ..errors import InputError
 from ..phase import CornetteShanks, Rayleigh
 from ..profile import Exponential
 
@@ -27,14 +28,14 @@ class MarchedAir(eqx.Module):
 
     Attributes:
         rayleigh: Scattering coefficient of air at the ground [m⁻¹].
-        mie: The same of haze [m⁻¹].
+        mie: Scattering coefficient of haze at the ground [m⁻¹].
         mie_extinction: Extinction coefficient of haze at the ground [m⁻¹].
         rayleigh_height: Scale height of air [m].
-        mie_height: The same of haze [m].
-        g: Of Cornette & Shanks's phase function.
+        mie_height: Scale height of haze [m].
+        g: Parameter of Cornette & Shanks's phase function.
         sun: Irradiance above the air, normal to the beam; its unit times sr⁻¹ is the light's.
-        planet_radius: [m].
-        top_altitude: [m].
+        planet_radius: Radius of the planet [m].
+        top_altitude: Altitude at which the air ends [m].
     """
 
     rayleigh: Float[Array, " 3"]
@@ -86,17 +87,17 @@ def scs_air(
 
     Args:
         rayleigh: Scattering coefficient of air at the ground, red, green, blue [m⁻¹].
-        mie: The same of haze, one value or three [m⁻¹].
+        mie: Scattering coefficient of haze at the ground, one value or three [m⁻¹].
         mie_extinction_ratio: Extinction over scattering of haze, 1 or more.
         rayleigh_height: Scale height of air [m].
-        mie_height: The same of haze [m].
-        g: Of Cornette & Shanks's phase function, in (-1, 1); its mean cosine is larger.
+        mie_height: Scale height of haze [m].
+        g: Parameter of Cornette & Shanks's phase function, in (-1, 1), below its mean cosine.
         sun: Irradiance above the air, one value or three.
-        planet_radius: [m].
-        top_altitude: Of the air [m].
+        planet_radius: Radius of the planet [m].
+        top_altitude: Altitude at which the air ends [m].
 
     Raises:
-        ValueError: A value out of its range.
+        InputError: A value out of its range.
     """
     scattering = _colour(mie, "mie")
     ratio = _number(mie_extinction_ratio, "mie_extinction_ratio", 1.0)
@@ -122,7 +123,7 @@ def scs_atmosphere() -> Atmosphere:
 def _colour(value: ArrayLike, name: str) -> Float[Array, " 3"]:
     beta = as_parameter(value)
     if beta.shape not in ((), (3,)):
-        raise ValueError(f"scs_air({name}=...): expected one value or three; got {beta.shape}")
+        raise InputError(f"scs_air({name}=...): expected one value or three; got {beta.shape}")
     message = f"scs_air({name}=...) must be 0 or more"
     return jnp.broadcast_to(check(beta, lambda v: ~((v >= 0) & (v < np.inf)), message), (3,))
 

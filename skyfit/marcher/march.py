@@ -41,18 +41,18 @@ def march(
     the step's far end: the tutorial's rule, which converges as steps get shorter.
 
     Args:
-        air: From `scs_air`.
-        eye: In metres, z up; the origin lies on the ground. On the ground, in the air or in space.
-        direction: Of each ray, a unit vector.
-        sun_direction: A unit vector, or one for each ray.
-        distance: To what each ray meets; infinite for sky or ground [m].
-        view_steps: Along each ray.
-        light_steps: From each of them towards the sun; any of them in the ground makes a shadow.
+        air: Air that `scs_air` makes.
+        eye: Place of the eye, z up, from an origin on the ground; in the air or in space too [m].
+        direction: Direction of each ray, a unit vector.
+        sun_direction: Direction to the sun, a unit vector, or one for each ray.
+        distance: Distance to what each ray meets; infinite for sky or ground [m].
+        view_steps: Number of steps along each ray.
+        light_steps: Number of steps from each of them towards the sun; one in the ground shades.
         table: Optical lengths to use in place of the steps towards the sun.
         terrain: A `HeightField`, or any function from x and y to the altitude of the ground, whose
             shadows make shafts of light. It does not hide anything itself: give `distance`.
-        shadow_reach: How far such shadows may fall [m].
-        shadow_steps: How often the way to the sun is looked at.
+        shadow_reach: Distance over which such shadows may fall [m].
+        shadow_steps: Number of places at which the way to the sun is looked at.
 
     Returns:
         Light, in the unit of `air.sun` times sr⁻¹. Transmittance.

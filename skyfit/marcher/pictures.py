@@ -39,11 +39,11 @@ def camera_rays(
     """Directions through the pixels of an ordinary camera, the top row first.
 
     Args:
-        width: [pixels].
-        height: [pixels].
+        width: Width of the picture [pixels].
+        height: Height of the picture [pixels].
         field_of_view: Vertical angle [rad].
-        pitch: Of the axis above the level [rad].
-        heading: Of the axis, from x towards y [rad].
+        pitch: Angle of the axis above the level [rad].
+        heading: Azimuth of the axis, from x towards y [rad].
 
     Returns:
         Unit vectors [height, width, 3], z up.
@@ -77,9 +77,9 @@ def day_frames(
     """The sky through a fisheye from the sun overhead to 18° below the horizon.
 
     Args:
-        air: From `scs_air`.
-        size: Of the square pictures [pixels].
-        frames: How many.
+        air: Air that `scs_air` makes.
+        size: Side of the square pictures [pixels].
+        frames: Number of frames.
 
     Yields:
         Zenith angle of the sun [rad], and the picture's light [size, size, 3]; 0 off the sky.

@@ -26,9 +26,9 @@ class MarchedSky(AbstractSkyModel):
     before a black ground; a sun below it leaves a twilight as long as it lights some of the air.
 
     Attributes:
-        air: Its `sun` is an illuminance in lx, so that colours are in cd m⁻².
-        view_steps: Along each view.
-        light_steps: Towards the sun.
+        air: Air whose `sun` is an illuminance in lx, so that colours are in cd m⁻².
+        view_steps: Number of steps along each view.
+        light_steps: Number of steps towards the sun.
     """
 
     air: MarchedAir
@@ -74,8 +74,8 @@ def scs_sky(
     """The tutorial's sky in absolute luminance: the sun's illuminance in place of its 20.
 
     Args:
-        view_steps: Along each view.
-        light_steps: Towards the sun.
+        view_steps: Number of steps along each view.
+        light_steps: Number of steps towards the sun.
         air: What differs from the tutorial's air, as `scs_air` takes it.
     """
     return MarchedSky(scs_air(**{"sun": sun_colour(), **air}), view_steps, light_steps)

@@ -14,9 +14,9 @@ class OpticalDepthTable(eqx.Module):
     """Columns of air and haze from a height to space, over the sun's zenith cosine there.
 
     Attributes:
-        planet_radius: [m].
-        top_altitude: [m].
-        columns: Over height (closer near the ground) and angle (closer near the horizon) [m].
+        planet_radius: Radius of the planet [m].
+        top_altitude: Altitude at which the air ends [m].
+        columns: Columns over height (closer near the ground) and angle (near the horizon) [m].
     """
 
     planet_radius: Float[Array, ""]
@@ -48,10 +48,10 @@ def optical_depth_table(
     """Tabulate the columns; `march(..., table=...)` then needs no steps towards the sun.
 
     Args:
-        air: What is marched through.
-        heights: Rows of the table.
-        angles: Its columns.
-        samples: Steps towards the sun for each entry.
+        air: Air that is marched through.
+        heights: Number of the table's rows.
+        angles: Number of the table's columns.
+        samples: Number of steps towards the sun for each entry.
     """
     radius, top = air.planet_radius, air.top_altitude
     at = jnp.linspace(0.0, 1.0, heights, dtype=top.dtype) ** 2 * top

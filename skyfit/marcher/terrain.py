@@ -6,14 +6,15 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._typing import ArrayLike, Scalar, as_parameter, as_scalar, check
+from ..errors import InputError
 
 
 class HeightField(eqx.Module):
     """Altitudes on a square grid, linear in between; 0 outside it.
 
     Args:
-        altitude: [y, x], two or more each way [m].
-        spacing: Between grid points [m].
+        altitude: Altitudes [y, x], two or more each way [m].
+        spacing: Distance between grid points [m].
         corner: x and y of the first of them; the grid lies around the origin if not given [m].
     """
 
@@ -24,7 +25,7 @@ class HeightField(eqx.Module):
     def __init__(self, altitude: ArrayLike, spacing: ArrayLike, corner: ArrayLike | None = None):
         grid = as_parameter(altitude)
         if grid.ndim != 2 or min(grid.shape) < 2:
-            raise ValueError(f"HeightField(altitude=...): expected [y, x]; got shape {grid.shape}")
+            raise InputError(f"HeightField(altitude=...): expected [y, x]; got shape {grid.shape}")
         self.altitude = grid
         step = as_scalar(spacing, "HeightField(spacing=...)")
         message = "HeightField(spacing=...) must be above 0 m"
@@ -62,11 +63,11 @@ def in_shadow(
 
     Args:
         terrain: Altitude of the ground from x and y.
-        altitude: Of the points; the ground between is taken as flat.
-        point: Where they are.
-        toward: To the sun.
-        reach: How far is looked.
-        steps: How often, closer near the point.
+        altitude: Altitude of the points; the ground between is taken as flat [m].
+        point: Points at which shadow is asked for.
+        toward: Direction to the sun.
+        reach: Distance to which is looked.
+        steps: Number of places looked at, closer near the point.
     """
     share = (jnp.arange(steps, dtype=point.dtype) + 0.5) / steps
 

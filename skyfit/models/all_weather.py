@@ -111,7 +111,7 @@ def perez_all_weather_sky(
         extraterrestrial: The sun's irradiance above the air that day, normal to it [W m⁻²].
 
     Raises:
-        ValueError: An irradiance below 0 or above the solar constant; no diffuse light.
+        InputError: An irradiance below 0 or above the solar constant; no diffuse light.
     """
     direct = check(
         as_float(direct_normal),
@@ -141,7 +141,7 @@ def perez_clear_sky(turbidity: ArrayLike) -> LuminanceSky:
         turbidity: T; an array broadcasts against the angles. Held to 1.9 to 10.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
     """
     argument = "perez_clear_sky(turbidity=...)"
     value = check(as_float(turbidity), lambda v: ~(v >= 1), f"{argument} must be 1 or more")

@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import as_float
+from ..errors import InputError
 
 
 SUN = "sun_zenith"  # the quantity that every sky has [rad]
@@ -79,9 +80,9 @@ class Chebyshev(AbstractAxis):
     def __check_init__(self):
         """Refuse what is no polynomial."""
         if self.degree < 0:
-            raise ValueError("Chebyshev(degree=...): expected 0 or more")
+            raise InputError("Chebyshev(degree=...): expected 0 or more")
         if self.function not in FUNCTIONS:
-            raise ValueError(
+            raise InputError(
                 f"Chebyshev(function=...): expected one of {FUNCTIONS}; got {self.function!r}"
             )
 
@@ -278,7 +279,7 @@ def _axis_from(one: Mapping[str, Any]) -> AbstractAxis:
         return Line(quantity, (one["low"], one["high"]))
     if kind == "chebyshev":
         return Chebyshev(quantity, (one["low"], one["high"]), one["degree"], one["of"])
-    raise ValueError(f"expected an axis of kind 'chebyshev', 'tents' or 'line'; got {kind!r}")
+    raise InputError(f"expected an axis of kind 'chebyshev', 'tents' or 'line'; got {kind!r}")
 
 
 def _function(value, name):

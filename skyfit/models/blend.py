@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
 from ..colour import xyY_to_xyz, xyz_to_xyY
+from ..errors import InputError
 from .base import AbstractSkyModel
 from .cie import cie_overcast_sky
 from .preetham import preetham_sky
@@ -72,12 +73,12 @@ def overcast_blend_sky(
         overcast_from: Turbidity from which it is overcast.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; limits that do not increase from 1.9 to at most 10.
+        InputError: Turbidity below 1 or NaN; limits that do not increase from 1.9 to at most 10.
 
     Source: Preetham et al. (1999), section 5.
     """
     if not 1.9 <= clear_up_to < overcast_from <= 10.0:
-        raise ValueError(
+        raise InputError(
             "overcast_blend_sky(clear_up_to=..., overcast_from=...): expected limits that increase "
             f"within 1.9 to 10; got {clear_up_to} and {overcast_from}"
         )

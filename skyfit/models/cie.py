@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .._typing import ArrayLike, as_float, as_parameter, check
+from ..errors import InputError
 from .levels import (
     ByIlluminance,
     ByZenith,
@@ -62,12 +63,12 @@ def cie_clear_sky(
             (1.376 T - 1.81) tan h + 0.38 kcd/m², where T is Linke's turbidity.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; an unknown zenith.
+        InputError: Turbidity below 1 or NaN; an unknown zenith.
 
     Source: CIE 110-1994; Preetham et al. (1999), equation 1.
     """
     if zenith not in ("preetham", "karayel"):
-        raise ValueError(
+        raise InputError(
             f"cie_clear_sky(zenith=...): expected 'preetham' or 'karayel'; got {zenith!r}"
         )
     luminance = _published_zenith() if zenith == "preetham" else ClearZenith()
@@ -105,7 +106,7 @@ def cie_intermediate_sky(turbidity: ArrayLike) -> LuminanceSky:
         turbidity: T of the air without clouds; as for `cie_clear_sky`.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
 
     Source: Nakamura, Oki & Hayashi (1985); CIE 110-1994.
     """
@@ -130,12 +131,12 @@ def cie_general_sky(sky_type: int, *, diffuse_illuminance: ArrayLike | None = No
             (1984): 300 + 21 000 sin h, 300 + 45 000 sin h and 800 + 15 500 √sin h.
 
     Raises:
-        ValueError: An unknown type; an illuminance below 0.
+        InputError: An unknown type; an illuminance below 0.
 
     Source: ISO 15469:2004 / CIE S 011/E:2003.
     """
     if sky_type not in SKY_TYPES:
-        raise ValueError(f"cie_general_sky(sky_type=...): expected 1 to 15; got {sky_type!r}")
+        raise InputError(f"cie_general_sky(sky_type=...): expected 1 to 15; got {sky_type!r}")
     if diffuse_illuminance is None:
         parameters = {}
         kind = "overcast" if sky_type <= 5 else "partly cloudy" if sky_type <= 10 else "clear"

@@ -14,6 +14,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
 from ..colour import xyY_to_xyz, xyz_to_rgb
+from ..errors import InputError
 from ..sun import SunPosition, sun_position
 from .base import AbstractSkyModel
 from .formula import FormulaSky
@@ -81,7 +82,7 @@ def day_sky(turbidity: ArrayLike) -> DaySky:
         turbidity: As for `skyfit.preetham_sky`.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
     """
     return DaySky(preetham_sky(turbidity))
 
@@ -130,7 +131,7 @@ def day_course(
         year: As for `skyfit.sun_position`.
 
     Raises:
-        ValueError: Times or directions of more than one axis; what `skyfit.sun_position` refuses.
+        InputError: Times or directions of more than one axis; what `skyfit.sun_position` refuses.
     """
     hours = np.arange(24.0) if standard_time is None else standard_time
     clock, zenith, azimuth = (
@@ -140,12 +141,12 @@ def day_course(
         ("standard_time", clock), ("view_zenith", zenith), ("view_azimuth", azimuth)
     ):  # fmt: skip
         if axis.ndim != 1:
-            raise ValueError(f"day_course({name}=...): expected one axis; got shape {axis.shape}")
+            raise InputError(f"day_course({name}=...): expected one axis; got shape {axis.shape}")
     sun = sun_position(
         latitude, longitude, day_of_year, clock, standard_meridian, method=method, year=year
     )
     if sun.zenith.ndim != 1:
-        raise ValueError(f"day_course: expected one place and date; got {sun.zenith.shape}")
+        raise InputError(f"day_course: expected one place and date; got {sun.zenith.shape}")
     relative = azimuth[None] - sun.azimuth[:, None]
     seen = model.xyY(sun.zenith[:, None], zenith[None], relative)
     towards = model.xyY(sun.zenith, jnp.minimum(sun.zenith, np.pi / 2), jnp.zeros_like(clock))

@@ -7,6 +7,7 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 
+from ..errors import InputError
 from .distribution import AbstractDistribution
 from .perez import LEAST_COSINE, Perez
 
@@ -176,7 +177,7 @@ def distribution_from(description: Mapping[str, Any]) -> AbstractDistribution:
     """
     name = description["name"]
     if name not in DISTRIBUTIONS:
-        raise ValueError(f"expected a distribution of {tuple(DISTRIBUTIONS)}; got {name!r}")
+        raise InputError(f"expected a distribution of {tuple(DISTRIBUTIONS)}; got {name!r}")
     fixed = {key: tuple(value) for key, value in description.get("fixed", {}).items()}
     return DISTRIBUTIONS[name](**fixed)
 

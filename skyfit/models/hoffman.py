@@ -16,6 +16,7 @@ from jaxtyping import Array, Float
 from .._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check
 from ..angles import view_sun_angle
 from ..colour import rgb_to_xyz, spectrum_to_xyz, xyz_to_rgb, xyz_to_xyY
+from ..errors import InputError
 from ..phase import HenyeyGreenstein, Rayleigh
 from ..preetham_air import (
     PAPER_WAVELENGTHS,
@@ -135,7 +136,7 @@ def hoffman_preetham_sky(
         haze_absorption: One value or three; up to about 5e-5 where the air is polluted [m⁻¹].
 
     Raises:
-        ValueError: Neither or both of turbidity and haze; an unknown haze; a value out of range.
+        InputError: Neither or both of turbidity and haze; an unknown haze; a value out of range.
     """
     if turbidity is not None and haze is None:
         name = "hoffman_preetham_sky(turbidity=...)"
@@ -145,7 +146,7 @@ def hoffman_preetham_sky(
     elif isinstance(haze, str) and turbidity is None:
         if haze not in HAZES:
             names = ", ".join(repr(known) for known in HAZES)
-            raise ValueError(
+            raise InputError(
                 f"hoffman_preetham_sky(haze=...): expected one of {names}, or three numbers; "
                 f"got {haze!r}"
             )
@@ -153,7 +154,7 @@ def hoffman_preetham_sky(
     elif haze is not None and turbidity is None:
         beta = _coefficients(haze, "haze")
     else:
-        raise ValueError("hoffman_preetham_sky: expected turbidity or haze, one of the two")
+        raise InputError("hoffman_preetham_sky: expected turbidity or haze, one of the two")
     name = "hoffman_preetham_sky(g=...)"
     asymmetry = check(as_scalar(g, name), lambda v: ~(abs(v) < 1), f"{name} must lie in (-1, 1)")
     return HoffmanPreethamSky(
@@ -186,7 +187,7 @@ def _haze_of(turbidity: Scalar) -> Float[Array, " 3"]:
 def _coefficients(value: ArrayLike, name: str) -> Float[Array, " 3"]:
     beta = as_parameter(value)
     if beta.shape not in ((), (3,)):
-        raise ValueError(
+        raise InputError(
             f"hoffman_preetham_sky({name}=...): expected one value or three; got shape {beta.shape}"
         )
     message = f"hoffman_preetham_sky({name}=...) must be 0 or more, in 1/m"

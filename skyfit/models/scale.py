@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import as_float
+from ..errors import InputError
 from .basis import SUN, Basis, Quantities, basis_from
 from .twilight import TWILIGHT_DECAY, daytime_sun, dimming
 
@@ -198,14 +199,14 @@ def scale_from(description: Mapping[str, Any]) -> AbstractScale:
             float(description["lowest_sun"]),
             night,
         )
-    raise ValueError(f"expected a scale of kind 'paper zenith' or 'logarithm'; got {kind!r}")
+    raise InputError(f"expected a scale of kind 'paper zenith' or 'logarithm'; got {kind!r}")
 
 
 def _shaped(value, name, shape):
     try:
         array = np.array(value, float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}: expected {shape} numbers; {error}") from error
+        raise InputError(f"{name}: expected {shape} numbers; {error}") from error
     if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{name}: expected {shape} numbers; got shape {array.shape}")
+        raise InputError(f"{name}: expected {shape} numbers; got shape {array.shape}")
     return as_float(array)

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..colour import PAPER_CHANNELS
+from ..errors import InputError
 from ..fitting import SkyFit
 from ..models.formula import CHANNELS as MODEL_CHANNELS
 from ..models.perez import COEFFICIENTS
@@ -18,10 +19,10 @@ def coefficient_chart(fit: SkyFit) -> Figure:
         fit: The published lines are drawn if it was swept over turbidity.
 
     Raises:
-        ValueError: Nothing was swept.
+        InputError: Nothing was swept.
     """
     if fit.parameter_name is None:
-        raise ValueError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
+        raise InputError("coefficient_chart(fit=...): expected a fit over a parameter; got none")
     with style.house_style():
         return _drawn(fit, fit.parameter_name)
 

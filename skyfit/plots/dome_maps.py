@@ -6,6 +6,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
+from ..errors import InputError
 from ..models import AbstractSkyModel
 from ..render.sources import AbstractSource
 from . import style
@@ -46,7 +47,7 @@ def error_map(
         bound: Upper end of the colours, above 1; its inverse is the lower end.
     """
     if not bound > 1:
-        raise ValueError(f"error_map(bound=...): expected a value above 1; got {bound}")
+        raise InputError(f"error_map(bound=...): expected a value above 1; got {bound}")
     view, turn, right = _on_grid(truth, sun_zenith)
     ratio = _on_grid(model, sun_zenith)[2] / right
     return _map(

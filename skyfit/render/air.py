@@ -1,6 +1,7 @@
 """The air between an eye and land, for the skies that pictures are made of."""
 
 from ..aerial import AerialPerspective, ConstantAmbient, aerial_perspective, ward_larson_aerial
+from ..errors import InputError
 from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
 
@@ -20,17 +21,17 @@ def air_before(
 
     Args:
         source: A model with a known turbidity, or a simulated atmosphere.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         kind: "paper" for that of Preetham et al. (1999), "ward-larson" for the one they compare
             with, "none".
-        ground_albedo: Of the land, which lights the air too.
+        ground_albedo: Albedo of the land, which lights the air too.
         sunlight: Whether the sun shines on the air; not under clouds.
 
     Raises:
-        ValueError: Another kind; a sky whose air is not known.
+        InputError: Another kind; a sky whose air is not known.
     """
     if kind not in AIRS:
-        raise ValueError(f"air_before(kind=...): expected one of {', '.join(AIRS)}; got {kind!r}")
+        raise InputError(f"air_before(kind=...): expected one of {', '.join(AIRS)}; got {kind!r}")
     if kind == "none":
         return None
     if isinstance(source, SimulatedSource):
@@ -38,7 +39,7 @@ def air_before(
     elif isinstance(source, ModelSource) and source.turbidity is not None:
         air, sky, albedo = source.turbidity, source.model, ground_albedo
     else:
-        raise ValueError(f"{source.name}: its air is unknown; expected a turbidity, or no air")
+        raise InputError(f"{source.name}: its air is unknown; expected a turbidity, or no air")
     if kind == "ward-larson":
         return ward_larson_aerial(air, sky, sun_zenith, channels="rgb")
     return aerial_perspective(

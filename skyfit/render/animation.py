@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._progress import Progress
+from ..errors import InputError
 from ..sun import sun_position
 from .cameras import AbstractCamera
 from .files import check_target
@@ -28,19 +29,19 @@ def day_of_suns(
     """Zenith angles and compass azimuths of the sun [rad], evenly from dawn to dusk.
 
     Args:
-        latitude: [rad].
+        latitude: Latitude of the place [rad].
         day_of_year: 1 to 366.
-        frames: How many.
+        frames: Number of frames.
         lowest: Zenith angle at which the day begins and ends [rad].
 
     Raises:
-        ValueError: The sun stays lower all day.
+        InputError: The sun stays lower all day.
     """
     hours = np.arange(0, 24, _STEP)
     position = sun_position(latitude, 0.0, day_of_year, hours, 0.0)
     up = hours[np.asarray(position.zenith) <= lowest]
     if up.size == 0:
-        raise ValueError(
+        raise InputError(
             f"day_of_suns: expected a day on which the sun comes within {np.degrees(lowest):.1f} "
             f"degrees of the zenith; got latitude {np.degrees(latitude):.6g}, day {day_of_year}"
         )
@@ -71,28 +72,28 @@ def animate(
 
     Args:
         path: Ends in .gif (256 colours) or .apng (all of them).
-        source: What is seen.
+        source: Sky that is seen.
         camera: Through what.
         suns: Zenith angle and compass azimuth for each frame [rad].
         ev: Exposure value of all frames; None exposes each by itself, as an eye adapts.
-        tone: As of `Picture.save`.
-        gamut: As of `Picture.save`.
-        seconds: How long it lasts.
+        tone: Tone curve, as of `Picture.save`.
+        gamut: Treatment of colours that sRGB lacks, as of `Picture.save`.
+        seconds: Duration of the animation [s].
         overwrite: Replace a file that is there.
         progress: Called as `progress("frames", done, total)`.
-        **options: Of `render`.
+        **options: Further arguments of `render`.
 
     Returns:
         The file, how many frames, and the lowest and highest exposure value.
 
     Raises:
-        ValueError: Another ending, a file is there, no frame; frames of another animation.
+        InputError: Another ending, a file is there, no frame; frames of another animation.
     """
     kind = check_target(path, overwrite)
     if kind not in (".gif", ".apng"):
-        raise ValueError(f"{path}: expected a name ending in .gif or .apng for many pictures")
+        raise InputError(f"{path}: expected a name ending in .gif or .apng for many pictures")
     if len(suns) == 0:
-        raise ValueError("animate(suns=...): expected one or more; got none")
+        raise InputError("animate(suns=...): expected one or more; got none")
     suns = np.asarray(suns, float)
     record = animation_record(source, camera, suns, options)
     kept = None

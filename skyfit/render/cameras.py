@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..errors import InputError
+
 
 PROJECTIONS = ("equidistant", "equal-area")
 MAX_PIXELS = 16384  # along one side
@@ -22,8 +24,8 @@ class Rays(NamedTuple):
 
     Attributes:
         direction: Unit vectors east, north, up; anything where `inside` is false.
-        inside: Which pixels show something.
-        solid_angle: Of each pixel [sr].
+        inside: Mask of the pixels that show something.
+        solid_angle: Solid angle of each pixel [sr].
     """
 
     direction: Float[np.ndarray, "*shape 3"]
@@ -85,7 +87,7 @@ class Fisheye(AbstractCamera):
         """Refuse impossible sizes."""
         _check_pixels("Fisheye(pixels=...)", self.pixels)
         if self.projection not in PROJECTIONS:
-            raise ValueError(
+            raise InputError(
                 "Fisheye(projection=...): expected 'equidistant' or 'equal-area'; "
                 f"got {self.projection!r}"
             )
@@ -162,10 +164,10 @@ class Perspective(AbstractCamera):
     Args:
         width: Columns.
         height: Rows.
-        azimuth: Of the direction it looks into [rad].
-        elevation: Of that direction above the horizontal [rad].
-        field_of_view: From the left edge to the right one, below π [rad].
-        altitude: Of the eye above the ground; only simulated skies change with it [m].
+        azimuth: Compass azimuth of the direction it looks into [rad].
+        elevation: Elevation of that direction above the horizontal [rad].
+        field_of_view: Angle from the left edge to the right one, below π [rad].
+        altitude: Altitude of the eye above the ground; only simulated skies change with it [m].
     """
 
     width: int = 800
@@ -180,12 +182,12 @@ class Perspective(AbstractCamera):
         _check_pixels("Perspective(width=...)", self.width)
         _check_pixels("Perspective(height=...)", self.height)
         if not 0 < self.field_of_view < np.pi:
-            raise ValueError(
+            raise InputError(
                 "Perspective(field_of_view=...): expected 0 to pi rad; "
                 f"got {self.field_of_view:.6g}"
             )
         if not 0 <= self.altitude < np.inf:
-            raise ValueError(
+            raise InputError(
                 f"Perspective(altitude=...): expected 0 m or more; got {self.altitude:.6g}"
             )
 
@@ -231,4 +233,4 @@ def direction_of(
 
 def _check_pixels(name: str, pixels: int) -> None:
     if isinstance(pixels, bool) or not isinstance(pixels, int) or not 1 <= pixels <= MAX_PIXELS:
-        raise ValueError(f"{name}: expected 1 to {MAX_PIXELS}; got {pixels!r}")
+        raise InputError(f"{name}: expected 1 to {MAX_PIXELS}; got {pixels!r}")

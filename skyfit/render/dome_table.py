@@ -20,7 +20,7 @@ class Zone(NamedTuple):
 
     Attributes:
         start: Zenith angle of one edge; 0 or π for the vertical itself [rad].
-        end: Of the other [rad].
+        end: Zenith angle of the other edge [rad].
     """
 
     start: float
@@ -65,8 +65,8 @@ class DomeTable:
     which makes the splines' mirrored ends exact.
 
     Args:
-        zone: Where.
-        values: On its rings and the spokes.
+        zone: Zone of the sky.
+        values: Values on the zone's rings and spokes.
     """
 
     def __init__(self, zone: Zone, values: Float[np.ndarray, "ring spoke"]):

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import Scalar
+from ..errors import InputError
 
 
 class Elevation(eqx.Module):
@@ -14,7 +15,7 @@ class Elevation(eqx.Module):
     The grid is continued by its own mirror images, so that land reaches to the horizon.
 
     Attributes:
-        height: Above sea level, from south to north and from west to east [m].
+        height: Heights above sea level, from south to north and from west to east [m].
         north: Step between rows [m].
         east: Step between columns [m].
     """
@@ -26,14 +27,14 @@ class Elevation(eqx.Module):
     def __init__(self, height: Float[np.ndarray, "row column"], north: float, east: float):
         heights = np.asarray(height, np.float32)
         if heights.ndim != 2 or min(heights.shape) < 3:
-            raise ValueError(
+            raise InputError(
                 f"Elevation(height=...): expected 3 x 3 heights or more; got shape {heights.shape}"
             )
         if not np.isfinite(heights).all():
-            raise ValueError("Elevation(height=...): expected finite heights; got NaN or infinity")
+            raise InputError("Elevation(height=...): expected finite heights; got NaN or infinity")
         for name, step in (("north", north), ("east", east)):
             if not 0 < step < np.inf:
-                raise ValueError(f"Elevation({name}=...): expected a step above 0 m; got {step}")
+                raise InputError(f"Elevation({name}=...): expected a step above 0 m; got {step}")
         self.height = jnp.asarray(heights)
         self.north, self.east = jnp.float32(north), jnp.float32(east)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..constants import EARTH_RADIUS
-from ..errors import not_found
+from ..errors import InputError, not_found
 from .elevation import Elevation
 
 
@@ -44,12 +44,12 @@ def load_elevation(path: str | PathLike[str]) -> Elevation:
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: Another ending; the file lacks something, is turned, or has gaps.
+        InputError: Another ending; the file lacks something, is turned, or has gaps.
     """
     path = Path(path)
     kind = path.suffix.lower()
     if kind not in (".npz", ".tif", ".tiff"):
-        raise ValueError(f"{path}: expected a name ending in .npz, .tif or .tiff")
+        raise InputError(f"{path}: expected a name ending in .npz, .tif or .tiff")
     if not path.is_file():
         raise not_found(path)
     return _numpy(path) if kind == ".npz" else _geotiff(path)
@@ -59,11 +59,11 @@ def _numpy(path: Path) -> Elevation:
     try:
         data = np.load(path, allow_pickle=False)
     except (ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise ValueError(f"{path}: expected a .npz file of numbers; got {error}") from None
+        raise InputError(f"{path}: expected a .npz file of numbers; got {error}") from None
     with data:
         for needed in ("elevation", "dx", "dy"):
             if needed not in data.files:
-                raise ValueError(f"{path}: {needed} is missing")
+                raise InputError(f"{path}: {needed} is missing")
         heights = data["elevation"].astype(float)
         return _checked(path, heights, float(data["dy"]), float(data["dx"]))
 
@@ -73,7 +73,7 @@ def _geotiff(path: Path) -> Elevation:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
     except ImportError:
-        raise ValueError(
+        raise InputError(
             f"{path}: a GeoTIFF needs rasterio: pip install 'skyfit[geotiff]'"
         ) from None
     try:
@@ -81,15 +81,15 @@ def _geotiff(path: Path) -> Elevation:
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
             data = rasterio.open(path)
     except RasterioIOError as error:
-        raise ValueError(f"{path}: expected a GeoTIFF; got {error}") from None
+        raise InputError(f"{path}: expected a GeoTIFF; got {error}") from None
     with data:
         if data.crs is None:
-            raise ValueError(f"{path}: expected a coordinate system, for its units; got none")
+            raise InputError(f"{path}: expected a coordinate system, for its units; got none")
         place, unit = data.transform, (data.units[0] or "").lower()
         if place.b or place.d:
-            raise ValueError(f"{path}: expected rows from west to east; got a turned grid")
+            raise InputError(f"{path}: expected rows from west to east; got a turned grid")
         if unit not in _HEIGHT_UNITS:
-            raise ValueError(f"{path}: expected heights in m or feet; got {data.units[0]!r}")
+            raise InputError(f"{path}: expected heights in m or feet; got {data.units[0]!r}")
         raw = data.read(1, masked=True).astype(float).filled(np.nan)
         heights = (raw * data.scales[0] + data.offsets[0]) * _HEIGHT_UNITS[unit]
         latitude = place.f + 0.5 * place.e * data.height
@@ -106,7 +106,7 @@ def _checked(path: Path, heights: np.ndarray, north: float, east: float) -> Elev
     """From rows from north to south, in metres."""
     gaps = int(heights.size - np.isfinite(heights).sum())
     if gaps:
-        raise ValueError(
+        raise InputError(
             f"{path}: expected a height everywhere; got none at {gaps} of {heights.size} places "
             "(GDAL's gdal_fillnodata fills gaps)"
         )

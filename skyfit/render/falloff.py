@@ -25,7 +25,7 @@ class Falloff:
     """Functions of the angle to the sun above 0, one for each channel; log-linear between nodes.
 
     Args:
-        logarithm: At the angles of `crowding`.
+        logarithm: Logarithm of the falloff at the angles of `crowding`.
     """
 
     def __init__(self, logarithm: Float[np.ndarray, "node channel"]):
@@ -52,9 +52,10 @@ def phase_of_light(
     """A phase function [sr⁻¹] as each channel sees it, under light of one spectrum.
 
     Args:
-        phase: Of the constituent that scatters.
+        phase: Phase function of the constituent that scatters.
         spectrum: None of it below 0.
-        weights: Of each wavelength in each channel. A channel without light takes the plain mean.
+        weights: Weight of each wavelength in each channel. A channel without light takes the plain
+            mean.
     """
     share = weights * spectrum[:, None]
     total = share.sum(axis=0)
@@ -72,8 +73,8 @@ def beside_the_sun(count: int, sun_zenith: float) -> Float[np.ndarray, "2 direct
     the air, which changes to both sides of the sun alike.
 
     Args:
-        count: Of directions, at `crowding` angles to the sun up to `GLOW_ENDS`.
-        sun_zenith: [rad].
+        count: Number of directions, at `crowding` angles to the sun up to `GLOW_ENDS`.
+        sun_zenith: Zenith angle of the sun [rad].
     """
     gamma = crowding(count, GLOW_ENDS)
     view = np.arccos(np.cos(gamma) * np.cos(sun_zenith))
@@ -84,7 +85,7 @@ def glow(light: Float[np.ndarray, "direction channel"]) -> Falloff | None:
     """The shape of a glow around the sun, 1 far from it; None where a channel has no light.
 
     Args:
-        light: In the directions of `beside_the_sun`.
+        light: Light in the directions of `beside_the_sun`.
     """
     darkest = _DARKEST * light.max(axis=0)
     if not (darkest > 0).all():

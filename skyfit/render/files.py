@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..colour import D65_WHITE, SRGB_PRIMARIES
+from ..errors import InputError
 
 
 PRECISIONS = ("half", "float")
@@ -21,15 +22,15 @@ def check_target(path: str | PathLike[str], overwrite: bool) -> str:
     """The kind of file a name stands for, by its ending.
 
     Raises:
-        ValueError: Another ending, or something is there that must not be replaced.
+        InputError: Another ending, or something is there that must not be replaced.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
-        raise ValueError(f"{path}: expected a name ending in {', '.join(SUFFIXES)}")
+        raise InputError(f"{path}: expected a name ending in {', '.join(SUFFIXES)}")
     if path.is_dir() or (path.exists() and not overwrite):
-        raise ValueError(f"{path}: exists already; give another name or ask to overwrite")
+        raise InputError(f"{path}: exists already; give another name or ask to overwrite")
     if not path.parent.is_dir():
-        raise ValueError(f"{path}: there is no directory {path.parent}")
+        raise InputError(f"{path}: there is no directory {path.parent}")
     return path.suffix
 
 
@@ -45,7 +46,7 @@ def write_exr(
     Args:
         path: Ends in .exr.
         rgb: (1, 1, 1) being white of 1 cd m⁻².
-        comments: For the header.
+        comments: Text for the header.
         precision: "half" holds 65504 at most: the values are divided by a power of two that makes
             room for the brightest pixel. "float" needs no scale.
         environment: Say in the header that this is an equirectangular panorama.
@@ -56,7 +57,7 @@ def write_exr(
     import OpenEXR
 
     if precision not in PRECISIONS:
-        raise ValueError(f"write_exr(precision=...): expected half or float; got {precision!r}")
+        raise InputError(f"write_exr(precision=...): expected half or float; got {precision!r}")
     white = 1.0
     if precision == "half":
         brightest = float(np.max(np.abs(rgb), initial=0.0))

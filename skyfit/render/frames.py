@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from ..errors import InputError
 from ..provenance import versions
 from .cameras import AbstractCamera
 from .identity import UnknownError, digest
@@ -36,7 +37,7 @@ class Frame(NamedTuple):
     """A picture before exposure and tone curve.
 
     Attributes:
-        rgb: As of `Picture`.
+        rgb: Colours of the pixels, as of `Picture`.
         exposure: The exposure value that suits it.
     """
 
@@ -51,12 +52,12 @@ class FrameStore:
     animation, the frame's number and its content: what is damaged or of elsewhere does not count.
 
     Args:
-        directory: Where they are.
-        record: What they belong to, by `animation_record`.
+        directory: Directory of the frames.
+        record: Animation that the frames belong to, by `animation_record`.
         shape: Rows and columns.
 
     Raises:
-        ValueError: There are frames of another animation, or something else.
+        InputError: There are frames of another animation, or something else.
     """
 
     def __init__(
@@ -119,11 +120,11 @@ class FrameStore:
             found = json.loads((self.directory / _RECORD).read_bytes())
             differing = [name for name in _ANOTHER if found.get(name) != record[name]]
         except (OSError, ValueError, AttributeError):
-            raise ValueError(
+            raise InputError(
                 f"{self.directory}: expected frames of an animation; found something else"
             ) from None
         if differing:
-            raise ValueError(
+            raise InputError(
                 f"{self.directory}: holds frames {_ANOTHER[differing[0]]}; give the picture "
                 "another name, or remove them to begin anew"
             )

@@ -6,12 +6,14 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import RectBivariateSpline
 
+from ..errors import InputError
+
 
 def grid_axes(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """View zeniths (from 0) and relative azimuths of a half dome [rad].
 
     Raises:
-        ValueError: The directions are not the zenith and then rings of equal azimuths.
+        InputError: The directions are not the zenith and then rings of equal azimuths.
     """
     view, azimuth = dataset["view_zenith"].values, dataset["relative_azimuth"].values
     rings, spokes = np.unique(view[1:]), np.unique(azimuth[1:])
@@ -19,7 +21,7 @@ def grid_axes(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     given = np.stack([view[1:], azimuth[1:]])
     regular = view[0] == 0 and given.shape[1] == expected[0].size
     if not regular or not np.allclose(given, [axis.ravel() for axis in expected]):
-        raise ValueError(
+        raise InputError(
             "expected directions as the zenith and then view zeniths x relative azimuths; "
             f"got {view.size} directions in another order"
         )
@@ -35,9 +37,9 @@ def on_dome(
     at worst beside the sun, if its logarithm is what is interpolated.
 
     Args:
-        zeniths: From 0 to π/2 [rad].
-        azimuths: From 0 to π [rad].
-        values: [direction], the zenith first.
+        zeniths: Zenith angles of the rings, from 0 to π/2 [rad].
+        azimuths: Azimuths of the spokes, from 0 to π [rad].
+        values: Values in every direction, the zenith first.
 
     Returns:
         Function of view zenith and relative azimuth [rad], any shape.

@@ -25,8 +25,8 @@ class Scan(NamedTuple):
     """What an eye sees of a height field.
 
     Attributes:
-        azimuth: Of the planes, evenly [rad].
-        distance: Of the steps, along the ground [m].
+        azimuth: Azimuths of the planes, evenly spaced [rad].
+        distance: Distances of the steps, along the ground [m].
         steepest: Largest rise over run of the land up to each step, from the eye.
     """
 
@@ -57,9 +57,9 @@ def scan(
 
     Args:
         elevation: The land.
-        east: Of the eye [m].
-        north: Of the eye [m].
-        height: Of the eye above sea level [m].
+        east: Place of the eye to the east [m].
+        north: Place of the eye to the north [m].
+        height: Height of the eye above sea level [m].
         azimuth: Compass azimuths of the planes [rad].
     """
     distance = jnp.asarray(step_distances())
@@ -78,9 +78,9 @@ def meet(
     """Distance along the ground at which rays meet the land [m]; infinite where they do not.
 
     Args:
-        found: What the eye sees.
-        plane: Of each ray, as a place among the planes' azimuths; the nearest is taken.
-        rise: Of each ray over its run.
+        found: Land that the eye sees.
+        plane: Plane of each ray, as a place among the planes' azimuths; the nearest is taken.
+        rise: Rise of each ray over its run.
     """
     planes, steps = found.steepest.shape
     row = jnp.clip(jnp.round(plane).astype(jnp.int32), 0, planes - 1) * steps

@@ -97,8 +97,8 @@ def slope_irradiance(
 
     Args:
         source: The sky.
-        sun_zenith: [rad].
-        sun_azimuth: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
+        sun_azimuth: Compass azimuth of the sun [rad].
         ground: XYZ of the land seen below the horizon.
     """
     x, w = np.polynomial.legendre.leggauss(32)

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..errors import InputError
 from .sources import AbstractSource
 from .tone import luminance
 
@@ -17,22 +18,23 @@ def refuse_impossible_light(
 
     Args:
         rgb: Linear sRGB [cd m⁻²]. Channels may be negative: colours that sRGB does not have.
-        weight: 0 where the sun's disc is, whose rounding is larger than other pixels' light.
-        what: Is seen, for the message.
+        weight: Weight of each pixel; 0 where the sun's disc is, whose rounding is larger than other
+            pixels' light.
+        what: Name of what is seen, for the message.
 
     Raises:
-        ValueError: There is other light.
+        InputError: There is other light.
     """
     broken = np.any(~np.isfinite(rgb), axis=-1)
     if broken.any():
-        raise ValueError(
+        raise InputError(
             f"{what}: expected finite light; got NaN or infinity in {_some(broken)} pixels"
         )
     light = luminance(rgb)
     rounding = _ROUNDING * np.max(np.abs(rgb[weight > 0]), initial=0.0)
     below = light < -rounding
     if below.any():
-        raise ValueError(
+        raise InputError(
             f"{what}: expected a luminance of 0 cd/m2 or more; got {light.min():.4g} at worst, "
             f"below 0 in {_some(below)} pixels"
         )
@@ -48,15 +50,15 @@ def refuse_black_day(
 
     Args:
         source: The sky.
-        sun_zenith: [rad].
+        sun_zenith: Zenith angle of the sun [rad].
         rgb: Linear sRGB, finite.
-        sky: Which pixels are of the sky alone, above the horizontal.
+        sky: Mask of the pixels of the sky alone, above the horizontal.
 
     Raises:
-        ValueError: There is none.
+        InputError: There is none.
     """
     if sky.any() and source.is_day(sun_zenith) and not (luminance(rgb[sky]) > 0).any():
-        raise ValueError(
+        raise InputError(
             f"{source.name}: expected a bright sky under a sun "
             f"{90 - np.degrees(sun_zenith):.4g} deg high; got a black one"
         )

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
+from ..errors import InputError
 from .cameras import AbstractCamera, Panorama, direction_of
 from .files import check_target, write_exr, write_hdr, write_png
 from .light_check import refuse_black_day, refuse_impossible_light
@@ -22,14 +23,14 @@ class Picture:
     """A sky in linear sRGB, not clipped, (1, 1, 1) being white of 1 cd m⁻².
 
     Attributes:
-        rgb: [row, column, 3], float32; 0 where nothing is shown.
-        inside: Which pixels show something.
+        rgb: Linear sRGB [row, column, 3], float32; 0 where nothing is shown.
+        inside: Mask of the pixels that show something.
         weight: Solid angle of each pixel without the sun's disc, for exposure [sr].
-        camera: How it was projected.
-        description: What is seen, in a line.
+        camera: Camera that projected it.
+        description: Line that says what is seen.
 
     Raises:
-        ValueError: Light is not finite, or a luminance is negative by more than rounding.
+        InputError: Light is not finite, or a luminance is negative by more than rounding.
     """
 
     rgb: Float[np.ndarray, "row column 3"]
@@ -71,7 +72,7 @@ class Picture:
             ev: Exposure value; None for an automatic one.
             tone: Curve of a PNG; see `tone.display`.
             gamut: What becomes of colours that sRGB does not have; see `tone.into_gamut`.
-            precision: Of an EXR.
+            precision: Precision of an EXR's numbers.
             overwrite: Replace a file that is there.
 
         Returns:
@@ -79,7 +80,7 @@ class Picture:
             exposure and how many were overexposed, else what a value of 1 stands for [cd m⁻²].
 
         Raises:
-            ValueError: Another ending, or a file is there.
+            InputError: Another ending, or a file is there.
         """
         kind = check_target(path, overwrite)
         rgb, outside = into_gamut(self.rgb, gamut)
@@ -91,7 +92,7 @@ class Picture:
         if kind == ".hdr":
             return record | {"cd_m2_of_1": write_hdr(path, rgb, self.description)}
         if kind != ".png":
-            raise ValueError(f"{path}: expected .exr, .hdr or .png for one picture")
+            raise InputError(f"{path}: expected .exr, .hdr or .png for one picture")
         ev = self.exposure() if ev is None else ev
         shown = display(rgb, ev, tone)
         notes = {"Description": self.description, "Exposure": f"EV {ev:.2f}, tone curve {tone}"}
@@ -122,25 +123,26 @@ def render(
             makes of a file, or a class of your own.
         camera: `Fisheye`, `Panorama` or `Perspective`.
         sun_zenith: Zenith angle of the sun [rad].
-        sun_azimuth: Its compass azimuth, north 0, east π/2 [rad].
-        sun_disc: Show the disc, 0.53° across. Pixels it fills in part have its light in part.
-        ground_albedo: Of a Lambertian ground below the horizon, lit by this sky and sun; only
-            where the source has no ground of its own. None: the source's `ground_albedo`.
+        sun_azimuth: Compass azimuth of the sun, north 0, east π/2 [rad].
+        sun_disc: Whether to show the disc, 0.53° across. Pixels it fills in part have its light in
+            part.
+        ground_albedo: Albedo of a Lambertian ground below the horizon, lit by this sky and sun;
+            only where the source has no ground of its own. None: the source's `ground_albedo`.
 
     Returns:
         The picture, in absolute luminance.
 
     Raises:
-        ValueError: An angle out of its range; a sun whose dimming is unknown; light that is not
+        InputError: An angle out of its range; a sun whose dimming is unknown; light that is not
             finite, or negative by more than rounding; a black sky under a risen sun.
     """
     if not 0 <= sun_zenith <= np.pi:
-        raise ValueError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
+        raise InputError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
     if not np.isfinite(sun_azimuth):
-        raise ValueError(f"render(sun_azimuth=...): expected a number; got {sun_azimuth}")
+        raise InputError(f"render(sun_azimuth=...): expected a number; got {sun_azimuth}")
     albedo = source.ground_albedo if ground_albedo is None else ground_albedo
     if not 0 <= albedo <= 1:
-        raise ValueError(f"render(ground_albedo=...): expected 0 to 1; got {albedo:.6g}")
+        raise InputError(f"render(ground_albedo=...): expected 0 to 1; got {albedo:.6g}")
     rays = camera.rays()
     direction = rays.direction.reshape(-1, 3)
     light = np.array(source.xyz(direction, sun_zenith, sun_azimuth), np.float32)

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.interpolate import RBFInterpolator
 
 from ..colour import xyY_to_xyz
+from ..errors import InputError
 from .cameras import direction_of
 from .half_dome import grid_axes, on_dome
 from .sources import AbstractSource, sun_through_haze
@@ -31,16 +32,16 @@ class RecordedSource(AbstractSource):
         sky: One sky: `luminance`, `x`, `y` over `direction`, with `view_zenith`,
             `relative_azimuth`, and a scalar `sun_zenith`; directions with `reliable` false are
             left out.
-        name: What it is.
-        turbidity: Of the air before the sun; None if unknown.
+        name: Name of the sky.
+        turbidity: Turbidity of the air before the sun; None if unknown.
     """
 
     def __init__(self, sky: xr.Dataset, name: str, turbidity: float | None = None):
         for needed in _NEEDED:
             if needed not in sky.variables:
-                raise ValueError(f"{name}: {needed} is missing")
+                raise InputError(f"{name}: {needed} is missing")
         if sky["luminance"].dims != ("direction",):
-            raise ValueError(f"{name}: expected one sky; got dimensions {sky['luminance'].dims}")
+            raise InputError(f"{name}: expected one sky; got dimensions {sky['luminance'].dims}")
         if "reliable" in sky:
             sky = sky.isel(direction=np.flatnonzero(sky["reliable"].values))
         self.sky, self.name, self.turbidity = sky, name, turbidity
@@ -54,7 +55,7 @@ class RecordedSource(AbstractSource):
 
     def xyz(self, direction, sun_zenith, sun_azimuth):  # noqa: D102
         if abs(sun_zenith - self.sun_zenith) > _SAME_SUN:
-            raise ValueError(
+            raise InputError(
                 f"{self.name}: its sun is at {np.degrees(self.sun_zenith):.2f} degrees from the "
                 f"zenith; got {np.degrees(sun_zenith):.2f}"
             )
@@ -108,13 +109,13 @@ def select_sky(
     """One sky of a dataset, by the values of its dimensions.
 
     Args:
-        data: Over (turbidity, sun_zenith) or another swept parameter, or over time.
-        name: What it is, for messages.
+        data: Skies over (turbidity, sun_zenith) or another swept parameter, or over time.
+        name: Name of the dataset, for messages.
         turbidity: The value of the swept parameter; None if there is only one.
-        sun_zenith: Of the sun, within 0.01°; None if there is only one [rad].
+        sun_zenith: Zenith angle of the sun, within 0.01°; None if there is only one [rad].
 
     Raises:
-        ValueError: No such sky; the message lists what there is.
+        InputError: No such sky; the message lists what there is.
     """
     for dim in [dim for dim in data["luminance"].dims if dim not in ("direction",)]:
         sun = dim in ("sun_zenith", "time")
@@ -124,10 +125,10 @@ def select_sky(
         there = ", ".join(f"{scale * value:.6g}" for value in values)
         what = "a sun at" if sun else f"a {dim} of"
         if wanted is None and values.size > 1:
-            raise ValueError(f"{name}: expected {what} one of {there}; got none")
+            raise InputError(f"{name}: expected {what} one of {there}; got none")
         near = 0 if wanted is None else int(np.abs(values - wanted).argmin())
         slack = _SAME_SUN if sun else 1e-6
         if wanted is not None and abs(values[near] - wanted) > slack:
-            raise ValueError(f"{name}: expected {what} one of {there}; got {scale * wanted:.6g}")
+            raise InputError(f"{name}: expected {what} one of {there}; got {scale * wanted:.6g}")
         data = data.isel({dim: near})
     return data

@@ -25,7 +25,7 @@ class Shadow(eqx.Module):
 
     Attributes:
         elevation: The land.
-        top: At the nodes, for the land and its three mirror images: the altitudes below which
+        top: Altitudes at the nodes, for the land and its three mirror images, below which
             nothing of the sun's disc is seen, and above which all of it is [m].
         highest: No shadow above this altitude [m].
     """
@@ -51,7 +51,7 @@ def cast_shadow(elevation: Elevation, sun_zenith: float, sun_azimuth: float) -> 
 
     Args:
         elevation: The land.
-        sun_zenith: Above the horizon [rad].
+        sun_zenith: Zenith angle of the sun, above the horizon [rad].
         sun_azimuth: Compass azimuth [rad].
     """
     edges = jnp.asarray(sun_edges(sun_zenith), jnp.float32)
@@ -97,14 +97,14 @@ def lost_light(
     a place in each step, and the integral over it exact but for the mixing of the constituents.
 
     Args:
-        air: Whose channels are "rgb"; as wide as `direction`.
-        shadow: From `cast_shadow`.
+        air: Aerial perspective with channels "rgb"; as wide as `direction`.
+        shadow: Shadow that `cast_shadow` found.
         eye: East and north [m], and height above sea level [m].
-        direction: Of the rays: unit vectors east, north, up.
+        direction: Directions of the rays: unit vectors east, north, up.
         ground: Distance along the ground to what they meet; infinite for the sky [m].
-        sun_azimuth: [rad].
-        offset: Where in each step the shadow is looked at, 0 to 1.
-        steps: How many, shorter near the eye.
+        sun_azimuth: Compass azimuth of the sun [rad].
+        offset: Place in each step at which the shadow is looked at, 0 to 1.
+        steps: Number of steps, shorter near the eye.
     """
     layers = air.layers
     east, north, height = eye

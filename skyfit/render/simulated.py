@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from ..atmosphere import Atmosphere, Constituent
 from ..colour import xyz_weights
+from ..errors import InputError
 from ..transfer.simulate_sky import simulate
 from ..transfer.trust import warn_of_straight_rays
 from .cameras import direction_of
@@ -49,15 +50,15 @@ class SimulatedSource(AbstractSource):
     dust of mean cosine 0.95 it is within 1 % from 0.3° to 45° beside the sun.
 
     Args:
-        atmosphere: What scatters and absorbs.
-        name: What it is.
-        orders: How many orders of scattering; None for all.
-        quality: As of `skyfit.simulate`.
+        atmosphere: Air that scatters and absorbs.
+        name: Name of the sky.
+        orders: Number of orders of scattering; None for all.
+        quality: Quality of the simulation, as of `skyfit.simulate`.
         observer_altitude: Altitude of the eye [m]; above 0 the planet is seen as well.
         grid: Rings in each zone and azimuths in half a turn at which the sky is simulated.
 
     Raises:
-        ValueError: There is no visible sunlight; later, when a picture asks: simulated light is
+        InputError: There is no visible sunlight; later, when a picture asks: simulated light is
             negative.
     """
 
@@ -84,7 +85,7 @@ class SimulatedSource(AbstractSource):
         seen = weights[:, 1] * np.asarray(atmosphere.solar_irradiance)
         if not seen.any():
             first, last = (float(atmosphere.wavelengths[k]) for k in (0, -1))
-            raise ValueError(
+            raise InputError(
                 f"{name}: expected sunlight that eyes see; got none from {first:g} to {last:g} nm"
             )
         self.ground_albedo = float(np.average(np.asarray(atmosphere.ground_albedo), weights=seen))
@@ -186,7 +187,7 @@ class SimulatedSource(AbstractSource):
         """Expect no negative luminance [cd m⁻²] beyond the first order, which would hide some."""
         worst = np.argmax(-rest - _VISIBLE * whole)
         if -rest.flat[worst] > _VISIBLE * whole.flat[worst] + _NIGHT:
-            raise ValueError(
+            raise InputError(
                 f"{self.name}: expected light of 0 or more beyond the first order; simulated "
                 f"{rest.flat[worst]:.3g} cd/m2 where all light is {whole.flat[worst]:.3g}; a "
                 "higher quality or less sharp phase functions may help"

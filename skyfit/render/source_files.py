@@ -8,6 +8,7 @@ import numpy as np
 from ..campaign.file import load_campaign
 from ..dataset import SUFFIXES, load_dataset
 from ..dataset.measurements import cornell_skies
+from ..errors import InputError
 from ..fitting import load_fit
 from ..models import preetham_sky
 from .recorded import RecordedSource, select_sky
@@ -29,19 +30,19 @@ def load_source(
     Args:
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
             .nc), "cornell" for the measured skies; None for the published model.
-        turbidity: Of the published model, of a fit or campaign or dataset that has several (or the
-            value of what else it sweeps), and of the air before the sun where the sky does not
-            know it.
-        sun_zenith: Which sky of a dataset [rad].
+        turbidity: Turbidity of the published model, of a fit or campaign or dataset that has
+            several (or the value of what else it sweeps), and of the air before the sun where the
+            sky does not know it.
+        sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: The file is none of these; the turbidity is missing, or out of place.
+        InputError: The file is none of these; the turbidity is missing, or out of place.
     """
     path = None if path is None else Path(path)
     if observer_altitude and (path is None or path.suffix != ".toml"):
-        raise ValueError(
+        raise InputError(
             f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "
             f"altitude; got {observer_altitude:g} m"
         )
@@ -61,7 +62,7 @@ def load_source(
         minutes = int(sky["local_time"])
         name = f"Ithaca, 2013-05-27 {minutes // 60:02d}:{minutes % 60:02d}"
         return RecordedSource(sky, f"{name}, measured by Kider et al. (2014)", turbidity)
-    raise ValueError(
+    raise InputError(
         f"{path}: expected a fit (.json), a campaign (.toml), a dataset (.zarr, .nc) or {MEASURED}"
     )
 
@@ -84,15 +85,15 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
     if value is None:
         if len(values) > 1:
             there = ", ".join(f"{one:g}" for one in values)
-            raise ValueError(
+            raise InputError(
                 f"{path}: expected one {swept} (--turbidity, turbidity=...), such as one of "
                 f"{there}; got none"
             )
         value = float(next(iter(values)))
     elif swept is None:
-        raise ValueError(f"{path}: sweeps nothing; got the value {value:g}")
+        raise InputError(f"{path}: sweeps nothing; got the value {value:g}")
     if campaign.geometry != "spherical":
-        raise ValueError(f"{path}: pictures are spherical; got the geometry {campaign.geometry!r}")
+        raise InputError(f"{path}: pictures are spherical; got the geometry {campaign.geometry!r}")
     name = f"{path.name}, simulated" + ("" if swept is None else f", {swept} {value:g}")
     return SimulatedSource(
         campaign.build_atmosphere(value), name, campaign.orders, campaign.quality,
@@ -103,7 +104,7 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
 def _needed(value: float | None, what: str, name: str = "turbidity") -> float:
     if value is None:
         ours = "a turbidity" if name == "turbidity" else f"a value of {name} (as turbidity)"
-        raise ValueError(f"{what}: expected {ours}; got none")
+        raise InputError(f"{what}: expected {ours}; got none")
     return value
 
 

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from .._typing import as_scalar
 from ..atmosphere import Atmosphere
 from ..colour import spectrum_to_xyz, xyY_to_xyz
+from ..errors import InputError
 from ..models.base import AbstractSkyModel
 from ..sun.light import sun_xyY, visible_fraction
 from .cameras import direction_of
@@ -19,9 +20,9 @@ class AbstractSource(abc.ABC):
     """A sky under one sun at a time. Unit vectors are east, north, up.
 
     Attributes:
-        has_ground: Whether it answers below the horizon; else the picture gives it a ground.
-        ground_albedo: Of that ground, unless the caller says otherwise.
-        name: What it is, in a few words.
+        has_ground: Whether the source answers below the horizon; else the picture adds a ground.
+        ground_albedo: Albedo of that ground, unless the caller says otherwise.
+        name: Name of the sky, in a few words.
     """
 
     has_ground: bool = False
@@ -35,9 +36,9 @@ class AbstractSource(abc.ABC):
         """CIE XYZ [cd m⁻²] along lines of sight, without the sun's disc.
 
         Args:
-            direction: Of the lines of sight.
-            sun_zenith: [rad].
-            sun_azimuth: Compass azimuth [rad].
+            direction: Directions of the lines of sight.
+            sun_zenith: Zenith angle of the sun [rad].
+            sun_azimuth: Compass azimuth of the sun [rad].
         """
 
     @abc.abstractmethod
@@ -45,7 +46,7 @@ class AbstractSource(abc.ABC):
         """Mean CIE XYZ [cd m⁻²] of the sun's disc as it is seen; 0 if set.
 
         Raises:
-            ValueError: It is not known what dims the sun of this source.
+            InputError: It is not known what dims the sun of this source.
         """
 
     def is_day(self, sun_zenith: float) -> bool:
@@ -70,8 +71,8 @@ class ModelSource(AbstractSource):
 
     Args:
         model: The sky.
-        turbidity: Of the air before the sun; None if unknown.
-        name: What it is.
+        turbidity: Turbidity of the air before the sun; None if unknown.
+        name: Name of the sky.
     """
 
     def __init__(self, model: AbstractSkyModel, turbidity: float | None, name: str):
@@ -94,10 +95,10 @@ def sun_through_haze(
     """Mean CIE XYZ [cd m⁻²] of what is above the horizon of the sun's disc; see `skyfit.sunlight`.
 
     Raises:
-        ValueError: The turbidity is not known.
+        InputError: The turbidity is not known.
     """
     if turbidity is None:
-        raise ValueError(
+        raise InputError(
             f"{name}: what dims the sun is unknown; expected a turbidity, or a picture without the "
             "sun's disc"
         )

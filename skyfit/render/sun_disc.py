@@ -32,7 +32,7 @@ def disc_cover(
     Args:
         camera: The picture.
         sun: Unit vector towards the middle of the disc.
-        horizon: What is lower hides the disc: height above the horizontal plane, the sine of the
+        horizon: Height above the horizontal plane below which the disc is hidden, the sine of the
             horizon's elevation.
 
     Returns:
@@ -73,9 +73,9 @@ def disc_radiance(
     where the planet hides that.
 
     Args:
-        atmosphere: What the light crosses.
-        sun_zenith: [rad].
-        altitude: Of the eye [m].
+        atmosphere: Air that the light crosses.
+        sun_zenith: Zenith angle of the sun [rad].
+        altitude: Altitude of the eye [m].
     """
     planet = Spherical(atmosphere.planet_radius, atmosphere.top_altitude)
     plain, classes = side_by_side(atmosphere)

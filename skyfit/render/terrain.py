@@ -13,6 +13,7 @@ from .._typing import Scalar
 from ..aerial import AerialPerspective
 from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
+from ..errors import InputError
 from .cameras import Perspective, direction_of
 from .elevation import Elevation
 from .horizon_scan import Scan, meet, scan
@@ -72,13 +73,13 @@ def render_terrain(
     Args:
         source: The sky.
         elevation: The land.
-        camera: Its `altitude` counts from the land below it.
-        eye: Where it stands, east and north of the south-western corner [m].
-        sun_zenith: [rad].
+        camera: Camera, whose `altitude` counts from the land below it.
+        eye: Place of the eye, east and north of the south-western corner [m].
+        sun_zenith: Zenith angle of the sun [rad].
         sun_azimuth: Compass azimuth [rad].
-        air: Between eye and land, made with channels "rgb"; None for clear vacuum.
+        air: Aerial perspective between eye and land, of channels "rgb"; None for clear vacuum.
         ground_albedo: Albedo of the land, Lambertian.
-        samples: In each pixel, a square number.
+        samples: Number of samples in each pixel, a square.
         sun_disc: Sunlight, and the disc itself where it is in view.
         shafts: Whether land shades the air as well. Such air scatters skylight only; the sky behind
             it is dimmed by the share of the air's light that is lost. `air` is then a
@@ -89,19 +90,19 @@ def render_terrain(
         The picture, in absolute luminance.
 
     Raises:
-        ValueError: An albedo or a number of samples that cannot be; shafts without such an air;
+        InputError: An albedo or a number of samples that cannot be; shafts without such an air;
             light that is not finite, or negative by more than rounding; a black sky by day.
     """
     side = round(samples**0.5)
     if samples < 1 or side**2 != samples:
-        raise ValueError(f"render_terrain(samples=...): expected 1, 4, 9, 16, ...; got {samples}")
+        raise InputError(f"render_terrain(samples=...): expected 1, 4, 9, 16, ...; got {samples}")
     if not 0 <= ground_albedo <= 1:
-        raise ValueError(
+        raise InputError(
             f"render_terrain(ground_albedo=...): expected 0 to 1; got {ground_albedo:.6g}"
         )
     if shafts and not isinstance(air, AerialPerspective):
         got = type(air).__name__
-        raise ValueError(f"render_terrain(shafts=...): expected an AerialPerspective; got {got}")
+        raise InputError(f"render_terrain(shafts=...): expected an AerialPerspective; got {got}")
     shadow = None
     if shafts and sun_disc and sun_zenith < np.pi / 2:
         shadow = cast_shadow(elevation, sun_zenith, sun_azimuth)

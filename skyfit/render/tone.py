@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
+from ..errors import InputError
 
 
 TONES = ("linear", "scs", "reinhard", "aces")
@@ -33,7 +34,7 @@ def automatic_exposure(rgb: Float[np.ndarray, "*shape 3"], weight: np.ndarray) -
 
     Args:
         rgb: Linear sRGB, (1, 1, 1) being 1 cd m⁻²; black pixels do not count.
-        weight: Of each pixel in the mean.
+        weight: Weight of each pixel in the mean.
 
     Source: Reinhard, Stark, Shirley & Ferwerda (2002), "Photographic tone reproduction for digital
     images", equation 1, with the key of a bright scene.
@@ -74,7 +75,7 @@ def display(rgb: Float[np.ndarray, "*shape 3"], ev: float, tone: str) -> Display
             3). "aces": Narkowicz's (2016) fit of the ACES curve, channel by channel.
     """
     if tone not in TONES:
-        raise ValueError(f"display(tone=...): expected one of {', '.join(TONES)}; got {tone!r}")
+        raise InputError(f"display(tone=...): expected one of {', '.join(TONES)}; got {tone!r}")
     pixels, over = _display(as_float(rgb), as_float(1 / luminance_at(ev)).astype(rgb.dtype), tone)
     return Displayed(np.asarray(pixels), int(over))
 
@@ -112,7 +113,7 @@ def into_gamut(rgb: Float[np.ndarray, "*shape 3"], gamut: str) -> tuple[np.ndarr
         The colours, and how many pixels were outside.
     """
     if gamut not in GAMUTS:
-        raise ValueError(
+        raise InputError(
             f"into_gamut(gamut=...): expected one of {', '.join(GAMUTS)}; got {gamut!r}"
         )
     fixed, count = _into_gamut(as_float(rgb), gamut)

@@ -21,7 +21,7 @@ class Claim:
 
     Attributes:
         id: Short name.
-        claim: What is claimed, in a sentence.
+        claim: Sentence that is judged.
         verdict: "holds", "holds roughly", "does not hold" or "for the record".
         figure: The numbers behind the verdict.
     """

@@ -14,7 +14,7 @@ class Clock:
     """Seconds spent in each stage, less what was spent on compiling meanwhile.
 
     Attributes:
-        seconds: By stage; under "compile" what tracing and compiling took in all of them.
+        seconds: Seconds by stage; under "compile" what tracing and compiling took in all of them.
     """
 
     def __init__(self):

@@ -33,7 +33,8 @@ def coefficient_table(fit: SkyFit) -> dict[str, dict[str, dict[str, dict[str, fl
     """Coefficients of a fit, their standard errors and the published values.
 
     Args:
-        fit: Its published counterpart exists only if it was swept over turbidity.
+        fit: Fit whose coefficients are listed; published ones stand beside them only if it was
+            swept over turbidity.
 
     Returns:
         By channel (Y, x, y), coefficient (A to E), part (slope, intercept) and kind (refit,

@@ -4,6 +4,8 @@ import json
 from os import PathLike
 from pathlib import Path
 
+from ..errors import InputError
+
 
 SCHEMA = "skyfit/report/1"
 
@@ -14,14 +16,14 @@ def claim_directory(path: str | PathLike[str]) -> Path:
     It holds `report.json` from the start, by which a later call knows that it may write here.
 
     Raises:
-        ValueError: Something is there that is no report.
+        InputError: Something is there that is no report.
     """
     directory = Path(path)
     if directory.exists() and not directory.is_dir():
-        raise ValueError(f"{directory}: exists and is not a directory")
+        raise InputError(f"{directory}: exists and is not a directory")
     marker = directory / "report.json"
     if directory.exists() and any(directory.iterdir()) and not _is_report(marker):
-        raise ValueError(f"{directory}: holds something else than a report; give another name")
+        raise InputError(f"{directory}: holds something else than a report; give another name")
     (directory / "figures").mkdir(parents=True, exist_ok=True)
     marker.write_text(json.dumps({"schema": SCHEMA, "complete": False}))
     return directory

@@ -21,9 +21,9 @@ def write_page(
     """Write the report.
 
     Args:
-        path: Of the HTML file.
-        record: What report.json holds.
-        pictures: Name to PNG file and caption.
+        path: Name of the HTML file.
+        record: Content of report.json.
+        pictures: PNG file and caption by name.
         notes: The sentences `summary` (a list), `fit_notes` and `provenance`.
     """
 

@@ -31,7 +31,7 @@ def draw_pictures(
     """Draw all pictures into a directory.
 
     Args:
-        directory: Where the PNG files go.
+        directory: Directory that the PNG files go into.
         dataset: Simulated skies, directions on a half dome with the zenith.
         fit: Their fit.
         reality: The comparison with measured skies.

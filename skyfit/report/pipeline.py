@@ -54,7 +54,7 @@ def reproduce(
         What report.json holds.
 
     Raises:
-        ValueError: `out` holds something else; the campaign cannot be fitted.
+        InputError: `out` holds something else; the campaign cannot be fitted.
     """
     directory = claim_directory(out)
     tell = progress or silent

@@ -28,7 +28,7 @@ class Reality:
     Attributes:
         skies: The measured, reliable directions only.
         measured: Their radiance at `WAVELENGTHS`, [time, direction, wavelength].
-        modelled: The same by model [W m⁻² sr⁻¹ nm⁻¹].
+        modelled: Radiance of each model, by its name [W m⁻² sr⁻¹ nm⁻¹].
     """
 
     skies: xr.Dataset
@@ -74,8 +74,8 @@ def compare_with_cornell(
     """Set models, and a simulation, beside the measured skies.
 
     Args:
-        models: By name, at the day's turbidity.
-        simulation: From `simulate_cornell`.
+        models: Models of the day's turbidity, by name.
+        simulation: Skies of `simulate_cornell`.
     """
     skies = _reliable_skies()
     suns, views = skies["sun_zenith"].values[:, None], skies["view_zenith"].values[None, :]
@@ -97,7 +97,7 @@ def simulate_cornell(template: Campaign, workers: int = 1) -> np.ndarray:
     tables are held at their ends.
 
     Args:
-        template: Its directions, atmosphere, orders, geometry and quality are taken.
+        template: Campaign whose directions, atmosphere, orders, geometry and quality are taken.
         workers: Threads.
 
     Returns:

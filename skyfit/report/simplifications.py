@@ -24,7 +24,7 @@ def simplifications(plan: Campaign) -> dict[str, Any]:
     """How much light each simplification of the paper costs, over turbidity and sun.
 
     Args:
-        plan: Its turbidities and atmosphere are taken.
+        plan: Campaign whose turbidities and atmosphere are taken.
 
     Returns:
         `turbidity`, `sun_zenith_deg`, `ground_albedo`, and tables [turbidity][sun]:

@@ -13,7 +13,7 @@ def tristimulus_comparison(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[s
 
     Args:
         dataset: Simulated skies.
-        fit: Of their Y, x and y.
+        fit: Fit of the skies' Y, x and y.
 
     Returns:
         `shape_error` of X, Z, Y, x and y, and `chromaticity_rms`: the root mean square error of

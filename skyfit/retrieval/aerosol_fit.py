@@ -18,6 +18,7 @@ from .._typing import ArrayLike, as_float
 from ..atmosphere import Atmosphere
 from ..campaign import Campaign, DescribedAtmosphere
 from ..campaign.description.sweep import number_at, replaced
+from ..errors import InputError
 from ..fitting.solver import NormalEquationsLM
 from ..transfer.quality import Quality
 from ..transfer.simulate_sky import simulate
@@ -109,25 +110,25 @@ def fit_aerosol(
         max_steps: Of the solver.
 
     Raises:
-        ValueError: The campaign has no such aerosol; the skies have no spectral radiance.
+        InputError: The campaign has no such aerosol; the skies have no spectral radiance.
     """
     described = _described(campaign)
     description = described.description
     start = {name: number_at(description, key) for key, name in _keys(aerosol).items()}
     for name in ("radiance", "sun_zenith", "view_zenith", "relative_azimuth"):
         if name not in skies.variables:
-            raise ValueError(f"fit_aerosol(skies=...): expected a variable {name!r}")
+            raise InputError(f"fit_aerosol(skies=...): expected a variable {name!r}")
     lam = np.atleast_1d(np.asarray(wavelengths, float))
     light = skies["radiance"].interp(wavelength=lam).transpose(..., "direction", "wavelength")
     if not np.isfinite(light.values).all():
-        raise ValueError("fit_aerosol(wavelengths=...): expected them within those of the skies")
+        raise InputError("fit_aerosol(wavelengths=...): expected them within those of the skies")
     one = light.isel(wavelength=0, drop=True)
     shape = (-1, light.sizes["direction"])
     atmosphere = dataclasses.replace(campaign, wavelengths=lam).build_atmosphere(np.nan)
     parts = description["constituents"]
     place = [part["name"] for part in parts].index(aerosol)
     if parts[place]["kind"] != "angstrom_aerosol" or np.ndim(parts[place]["asymmetry"]):
-        raise ValueError(f"fit_aerosol: expected {aerosol} to be an angstrom_aerosol")
+        raise InputError(f"fit_aerosol: expected {aerosol} to be an angstrom_aerosol")
     case = _Case(
         atmosphere=atmosphere,
         column=atmosphere.vertical_column()[place],
@@ -158,7 +159,7 @@ def fit_aerosol(
 
 def _described(campaign: Campaign) -> DescribedAtmosphere:
     if not isinstance(campaign.atmosphere, DescribedAtmosphere) or campaign.sweep is not None:
-        raise ValueError(
+        raise InputError(
             "fit_aerosol(campaign=...): expected one of a file that lists constituents and sweeps "
             "nothing"
         )

@@ -21,6 +21,7 @@ from .._typing import ArrayLike, as_float, as_parameter, as_scalar, check
 from ..atmosphere import Atmosphere
 from ..campaign import PAPER_SUN_ZENITHS_DEG, paper_directions
 from ..colour import spectrum_to_xyY
+from ..errors import InputError
 from ..fitting.batch import fit_groups
 from ..fitting.choices import FitSettings
 from ..fitting.fit import PUBLISHED
@@ -105,7 +106,7 @@ def coefficient_sensitivity(
     """
     where = "coefficient_sensitivity(at=...)"
     if not at:
-        raise ValueError(f"{where}: expected one quantity or more; got none")
+        raise InputError(f"{where}: expected one quantity or more; got none")
     point = {name: as_scalar(value, f"{where}: {name}") for name, value in at.items()}
     views = _views(sun_zenith, view_zenith, relative_azimuth)
 
@@ -133,7 +134,7 @@ def _views(sun_zenith, view_zenith, relative_azimuth) -> _Views:
     """The angles asked for, or the paper's."""
     where = "coefficient_sensitivity"
     if (view_zenith is None) != (relative_azimuth is None):
-        raise ValueError(
+        raise InputError(
             f"{where}: view_zenith and relative_azimuth describe the directions together; "
             "got only one of them"
         )
@@ -145,7 +146,7 @@ def _views(sun_zenith, view_zenith, relative_azimuth) -> _Views:
         jnp.atleast_1d, map(as_float, (sun_zenith, view_zenith, relative_azimuth))
     )
     if view.ndim != 1 or sun.ndim != 1 or view.shape != azimuth.shape:
-        raise ValueError(
+        raise InputError(
             f"{where}: expected one axis of suns, and as many view_zenith as relative_azimuth; "
             f"got shapes {sun.shape}, {view.shape} and {azimuth.shape}"
         )
@@ -174,7 +175,7 @@ def _colours(
 def _fit(views: _Views, values: Float[np.ndarray, "channel sky direction"]):
     """The problem of all channels, one lane each, and free coordinates close to its optimum."""
     if not (values > 0).all():
-        raise ValueError(
+        raise InputError(
             "coefficient_sensitivity: expected light from every direction; "
             f"{np.count_nonzero(~(values[-1] > 0))} of {values[-1].size} are dark"
         )

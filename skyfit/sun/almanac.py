@@ -39,7 +39,7 @@ def apparent_place(
 
     Args:
         noon: 12 h universal time of the day, in days since J2000.0; `days_since_2000`.
-        universal_time: Of that day; may lie outside 0 to 24 [h].
+        universal_time: Universal time of that day; may lie outside 0 to 24 [h].
 
     Returns:
         Geocentric declination [rad]. Hour angle of the sun at longitude 0, positive after noon; not

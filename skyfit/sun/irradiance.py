@@ -38,10 +38,10 @@ def clear_sky_irradiance(
     Args:
         turbidity: T, 1 or more.
         sun_zenith: Zenith angle of the sun; once it has set both are 0 [rad].
-        ground_albedo: Of the ground, which lights the sky from below.
+        ground_albedo: Albedo of the ground, which lights the sky from below.
 
     Raises:
-        ValueError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN.
 
     Source: Bird & Hulstrom (1981), "A simplified clear sky model for direct and diffuse insolation
     on horizontal surfaces", SERI/TR-642-761.

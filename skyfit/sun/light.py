@@ -42,19 +42,19 @@ def sunlight(
     0.27° below. Air mass is never asked beyond that, where its formula ends.
 
     Args:
-        turbidity: T, 1 or more; sets the haze by Ångström's formula.
+        turbidity: Turbidity T, 1 or more; sets the haze by Ångström's formula.
         sun_zenith: Zenith angle of the centre of the disc; any [rad].
-        wavelengths: One axis; table 2's spectra are held constant beyond 380 and 780 nm [nm].
-        ozone: Amount at normal temperature and pressure [m].
+        wavelengths: Wavelengths on one axis; table 2's are held beyond 380 and 780 nm [nm].
+        ozone: Amount of ozone at normal temperature and pressure [m].
         water_vapour: Precipitable water [m].
-        distance_from_centre: In radii of the disc, 0 to 1, for the radiance there, darkened towards
+        distance_from_centre: Place on the disc in radii, 0 to 1, for the radiance there, darker at
             the limb; the mean over the disc if not given.
 
     Returns:
         Wavelength last [W m⁻² sr⁻¹ nm⁻¹].
 
     Raises:
-        ValueError: Turbidity below 1 or NaN; a distance outside 0 to 1; wavelengths that do not
+        InputError: Turbidity below 1 or NaN; a distance outside 0 to 1; wavelengths that do not
             increase.
     """
     lam = as_wavelengths(wavelengths, "sunlight(wavelengths=...)")
@@ -128,7 +128,7 @@ def limb_darkening(
 
     Args:
         distance_from_centre: r in radii, 0 to 1.
-        wavelengths: [nm].
+        wavelengths: Wavelengths of the result [nm].
     """
     alpha = -0.023 + 292.0 / _last(wavelengths, distance_from_centre.ndim)
     # Above 0, so that the derivative at the very limb is finite.
@@ -157,9 +157,9 @@ def optical_depths(
     Args:
         turbidity: T.
         air_mass: Relative optical mass towards the sun.
-        ozone: [m].
+        ozone: Amount of ozone at normal temperature and pressure [m].
         water_vapour: Precipitable water [m].
-        wavelengths: [nm].
+        wavelengths: Wavelengths of the result [nm].
     """
     lam = _last(wavelengths, air_mass.ndim)
     m, ozone, water = air_mass[..., None], ozone[..., None], water_vapour[..., None]

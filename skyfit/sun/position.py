@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
+from ..errors import InputError
 from . import almanac
 
 
@@ -59,13 +60,13 @@ def sun_position(
         taken as 0.
 
     Raises:
-        ValueError: A latitude or day out of range; an unknown method; a year missing or not used.
+        InputError: A latitude or day out of range; an unknown method; a year missing or not used.
     """
     if method not in METHODS:
-        raise ValueError(f"sun_position(method=...): expected one of {METHODS}; got {method!r}")
+        raise InputError(f"sun_position(method=...): expected one of {METHODS}; got {method!r}")
     if (year is None) != (method == "paper"):
         expected = "no year" if method == "paper" else "a year"
-        raise ValueError(f"sun_position(year=...): method {method!r} takes {expected}; got {year}")
+        raise InputError(f"sun_position(year=...): method {method!r} takes {expected}; got {year}")
     lat = check(
         as_float(latitude),
         lambda v: ~(abs(v) <= np.pi / 2 + 1e-6),

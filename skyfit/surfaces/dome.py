@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_scalar
 from ..colour import xyY_to_xyz
+from ..errors import InputError
 from ..models import AbstractSkyModel
 
 
@@ -94,11 +95,11 @@ def sky_dome(
         azimuths: Directions of each ring.
 
     Raises:
-        ValueError: More than one sun; a grid of less than two rings or four directions.
+        InputError: More than one sun; a grid of less than two rings or four directions.
     """
     sun = as_scalar(sun_zenith, "sky_dome(sun_zenith=...)")
     if zeniths < 2 or azimuths < 4:
-        raise ValueError(
+        raise InputError(
             f"sky_dome(zeniths=..., azimuths=...): expected 2 and 4 or more; got {zeniths}, "
             f"{azimuths}"
         )
@@ -109,5 +110,5 @@ def sky_dome(
     else:
         light = model.radiance(sun, *view, wavelengths)
     if light.ndim != 3:
-        raise ValueError(f"sky_dome(model=...): expected one sky; got shape {light.shape[:-3]}")
+        raise InputError(f"sky_dome(model=...): expected one sky; got shape {light.shape[:-3]}")
     return Dome(light, sun)

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
+from ..errors import InputError
 from ..transfer.harmonics import legendre
 from .dome import Dome
 
@@ -24,13 +25,13 @@ def real_harmonics(direction: ArrayLike, order: int = 2) -> Float[Array, "*batch
         order: Highest degree l, 0 or more.
 
     Raises:
-        ValueError: A negative order; components that are not three.
+        InputError: A negative order; components that are not three.
     """
     vectors = as_float(direction)
     if order < 0:
-        raise ValueError(f"real_harmonics(order=...) must be 0 or more; got {order}")
+        raise InputError(f"real_harmonics(order=...) must be 0 or more; got {order}")
     if vectors.ndim == 0 or vectors.shape[-1] != 3:
-        raise ValueError(
+        raise InputError(
             f"real_harmonics(direction=...): expected three components on the last axis; got shape "
             f"{vectors.shape}"
         )
@@ -71,7 +72,7 @@ def harmonic_light(coefficients: ArrayLike, direction: ArrayLike) -> Float[Array
         direction: Unit vectors.
 
     Raises:
-        ValueError: A number of coefficients that is no square.
+        InputError: A number of coefficients that is no square.
     """
     numbers = as_float(coefficients)
     return real_harmonics(direction, _order(numbers)) @ numbers
@@ -90,7 +91,7 @@ def harmonic_irradiance(
         normal: Unit vectors of the planes.
 
     Raises:
-        ValueError: A number of coefficients that is no square.
+        InputError: A number of coefficients that is no square.
 
     Source: Ramamoorthi & Hanrahan (2001), equation 8.
     """
@@ -116,7 +117,7 @@ def _order(coefficients):
     count = coefficients.shape[0] if coefficients.ndim else 0
     order = math.isqrt(count) - 1
     if coefficients.ndim != 2 or order < 0 or (order + 1) ** 2 != count:
-        raise ValueError(
+        raise InputError(
             "harmonic coefficients: expected a square number of them by one or more channels; got "
             f"shape {coefficients.shape}"
         )

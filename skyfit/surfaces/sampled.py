@@ -5,6 +5,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from .._typing import ArrayLike, as_float, as_scalar
+from ..errors import InputError
 from .dome import AZIMUTHS, ZENITHS, Dome, dome_grid
 
 
@@ -37,23 +38,23 @@ def sampled_dome(
         azimuths: Directions of each ring.
 
     Raises:
-        ValueError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
+        InputError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
     """
     sun = as_scalar(sun_zenith, "sampled_dome(sun_zenith=...)")
     view, azimuth = (np.asarray(a, float) for a in (view_zenith, relative_azimuth))
     values = as_float(light)
     if view.ndim != 1 or view.shape != azimuth.shape or values.shape[:1] != view.shape:
-        raise ValueError(
+        raise InputError(
             "sampled_dome: expected one direction in view_zenith, relative_azimuth and light for "
             f"each; got shapes {view.shape}, {azimuth.shape} and {values.shape}"
         )
     if values.ndim != 2 or view.size < 4:
-        raise ValueError(
+        raise InputError(
             "sampled_dome(light=...): expected 4 directions or more by one or more channels; got "
             f"shape {values.shape}"
         )
     if not ((view >= 0) & (view <= np.pi / 2 + 1e-6)).all():
-        raise ValueError("sampled_dome(view_zenith=...) must lie in 0 to π/2")
+        raise InputError("sampled_dome(view_zenith=...) must lie in 0 to π/2")
     corners, shares = _triangles(view, azimuth, *dome_grid(zeniths, azimuths)[:2])
     mixed = jnp.einsum("nk,nkc->nc", jnp.asarray(shares, values.dtype), values[corners])
     return Dome(mixed.reshape(zeniths, azimuths, -1), sun)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from .._typing import ArrayLike, as_float, check
+from ..errors import InputError
 from .dome import Dome
 
 
@@ -79,13 +80,13 @@ def sky_sampler(
         floor: Share that is spread evenly over the hemisphere, so that no direction is left out.
 
     Raises:
-        ValueError: A channel that the dome has not; a floor outside 0 to 1; a sky without light.
+        InputError: A channel that the dome has not; a floor outside 0 to 1; a sky without light.
     """
     channels = dome.light.shape[-1]
     if not -channels <= channel < channels:
-        raise ValueError(f"sky_sampler(channel=...): expected one of {channels}; got {channel}")
+        raise InputError(f"sky_sampler(channel=...): expected one of {channels}; got {channel}")
     if not 0 <= floor <= 1:
-        raise ValueError(f"sky_sampler(floor=...) must lie in 0 to 1; got {floor}")
+        raise InputError(f"sky_sampler(floor=...) must lie in 0 to 1; got {floor}")
     light = dome.light[..., channel]
     if cosine:
         light = light * dome.directions[..., 2]

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...atmosphere import Constituent
+from ...errors import InputError
 from ...phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
 from ...preetham_air import haze_phase, haze_scattering
 from .mie import mie_optics
@@ -35,7 +36,7 @@ class Surroundings(NamedTuple):
 
     Attributes:
         gas_depth: Vertical optical depth of scattering by gases at 550 nm.
-        extinction: Of all gases at the ground, 550 nm [m⁻¹].
+        extinction: Extinction of all gases at the ground, 550 nm [m⁻¹].
         top: Altitude where the atmosphere ends [m].
     """
 
@@ -48,7 +49,7 @@ def build_aerosol(part: Part, wavelengths: Wavelengths, around: Surroundings) ->
     """The constituent a table of a campaign file describes.
 
     Raises:
-        ValueError: The amount asked for is impossible among the gases around.
+        InputError: The amount asked for is impossible among the gases around.
     """
     density = build_profile(part["profile"])
     optics = _optics(part, wavelengths)
@@ -80,7 +81,7 @@ def _extinction_wanted(
         rest = KOSCHMIEDER / part["visibility_m"] - around.extinction
         if rest < 0:
             clear = KOSCHMIEDER / around.extinction
-            raise ValueError(
+            raise InputError(
                 f"constituents.{part['name']}.visibility_m: expected at most {clear:.6g}, the "
                 f"meteorological range of the gases alone; got {part['visibility_m']:g}"
             )

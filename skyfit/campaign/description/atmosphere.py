@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import ArrayLike
 
 from ...atmosphere import Atmosphere, Refraction
+from ...errors import InputError
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
 from .gases import GASES, build_gas, gas_coefficients, gas_profile
 from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
@@ -41,7 +42,7 @@ class DescribedAtmosphere:
         """The atmosphere at wavelengths [nm], with another value of what is swept.
 
         Raises:
-            ValueError: Naming the key, what was expected and what came.
+            InputError: Naming the key, what was expected and what came.
         """
         description = self.description
         if sweep is not None and value is not None and sweep.key != OBSERVER_ALTITUDE:
@@ -85,13 +86,13 @@ def _refraction(refractivity: float | None, gases: list[Part]) -> Refraction | N
     """Of the first gas of which air can consist; None for straight rays.
 
     Raises:
-        ValueError: There is none.
+        InputError: There is none.
     """
     if refractivity is None:
         return None
     air = [part for part in gases if part["kind"] in ("air", "preetham_air", "gas")]
     if not air:
-        raise ValueError(
+        raise InputError(
             "planet.refractivity: expected a constituent of kind air, preetham_air or gas, whose "
             "profile the index of refraction follows; got none"
         )

@@ -24,6 +24,7 @@ from ..._typing import ArrayLike, as_scalar, check
 from ...atmosphere import Constituent
 from ...bands import Bands
 from ...constants import TOP_OF_ATMOSPHERE
+from ...errors import InputError
 from ...phase import Rayleigh
 from ...profile import AbstractProfile, Exponential, StandardAtmosphere
 from ...tables import read_table
@@ -52,14 +53,14 @@ def water_vapour(
     the weak band at 650 nm is not in the table.
 
     Args:
-        wavelengths: Those of the atmosphere, up to 800 [nm].
+        wavelengths: Wavelengths of the atmosphere, up to 800 [nm].
         precipitable_water: Depth of all the vapour above the ground as liquid, 0 to 0.2: 0.005 in
             dry winters, 0.05 in the tropics [m].
         density: Exponential with a scale height of 2 km if not given.
-        top_altitude: Of the atmosphere [m].
+        top_altitude: Altitude at which the atmosphere ends [m].
 
     Raises:
-        ValueError: There are wavelengths beyond 800 nm, or an amount out of its range.
+        InputError: There are wavelengths beyond 800 nm, or an amount out of its range.
     """
     density = Exponential(WATER_VAPOUR_HEIGHT) if density is None else density
     bands = water_vapour_bands(wavelengths, 1.0, 1.0)
@@ -84,13 +85,13 @@ def oxygen(
     are another constituent, "oxygen_dimer" of campaign files.
 
     Args:
-        wavelengths: Those of the atmosphere, up to 800 [nm].
+        wavelengths: Wavelengths of the atmosphere, up to 800 [nm].
         pressure_ratio: Pressure at the ground over the standard's, 0 or more.
-        density: That of the U.S. Standard Atmosphere if not given.
-        top_altitude: Of the atmosphere [m].
+        density: Relative density of the gas; that of the U.S. Standard Atmosphere if not given.
+        top_altitude: Altitude at which the atmosphere ends [m].
 
     Raises:
-        ValueError: There are wavelengths beyond 800 nm, or a negative pressure.
+        InputError: There are wavelengths beyond 800 nm, or a negative pressure.
     """
     density = StandardAtmosphere() if density is None else density
     bands = mixed_gas_bands(wavelengths, 1.0)
@@ -148,7 +149,7 @@ def _coefficient(column: str, wavelengths: ArrayLike) -> Wavelengths:
     given = np.isfinite(table[column])
     lam = np.atleast_1d(np.asarray(wavelengths, float))
     if not (lam <= LONGEST).all():
-        raise ValueError(
+        raise InputError(
             f"bands of water vapour and oxygen are known up to {LONGEST:g} nm; got {lam.max():g}"
         )
     return np.interp(lam, table["wavelength_nm"][given], table[column][given])

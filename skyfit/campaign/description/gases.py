@@ -50,8 +50,8 @@ def gas_coefficients(part: Part, wavelengths: Wavelengths, top: float) -> Coeffi
     """Coefficients of a gas, without bands.
 
     Args:
-        part: Its table.
-        wavelengths: [nm].
+        part: Table of the gas.
+        wavelengths: Wavelengths of the result [nm].
         top: Altitude where the atmosphere ends [m].
     """
     none = np.zeros_like(wavelengths)

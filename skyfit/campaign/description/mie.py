@@ -42,7 +42,7 @@ def mie_optics(part: Part, wavelengths: Wavelengths) -> MieOptics:
 
     Args:
         part: A table with `size`, `refractive_index`, `absorption_index`, `forward_peak_deg`.
-        wavelengths: Increasing [nm].
+        wavelengths: Wavelengths of the result, increasing [nm].
     """
     steps = int(np.ceil(np.ptp(wavelengths) / WAVELENGTH_STEP))
     nodes = np.linspace(wavelengths[0], wavelengths[-1], steps + 1)

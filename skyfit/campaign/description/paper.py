@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from jaxtyping import ArrayLike
 
 from ...atmosphere import Atmosphere
+from ...errors import InputError
 from ...preetham_air import TURBIDITY_MEANINGS, TurbidityMeaning, preetham_atmosphere
 
 
@@ -31,12 +32,12 @@ class PaperAtmosphere:
         """Refuse what no atmosphere can be made of."""
         if self.turbidity_means not in TURBIDITY_MEANINGS:
             expected = ", ".join(repr(choice) for choice in TURBIDITY_MEANINGS)
-            raise ValueError(
+            raise InputError(
                 f"PaperAtmosphere(turbidity_means=...): expected one of {expected}; "
                 f"got {self.turbidity_means!r}"
             )
         if not 0 <= self.ground_albedo <= 1:
-            raise ValueError(
+            raise InputError(
                 f"PaperAtmosphere(ground_albedo=...): expected 0 to 1; got {self.ground_albedo}"
             )
 

@@ -59,8 +59,8 @@ def planck(temperature: float, wavelengths: Wavelengths) -> Wavelengths:
     2 h c² / λ⁵ / (e^{hc/λkT} - 1).
 
     Args:
-        temperature: [K].
-        wavelengths: [nm].
+        temperature: Temperature of the body [K].
+        wavelengths: Wavelengths of the result [nm].
     """
     lam = 1e-9 * wavelengths
     exponent = _PLANCK * _LIGHT_SPEED / (lam * _BOLTZMANN * temperature)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ...errors import InputError
 from .spectra import Part
 
 
@@ -28,8 +29,8 @@ class Sweep:
 
     Args:
         name: Dimension of the dataset, and the argument of `SkyFit.sky`.
-        key: Where the number stands, as in "constituents.dust.optical_depth".
-        values: Increasing, in the unit of the key.
+        key: Place of the number in the file, as in "constituents.dust.optical_depth".
+        values: Values of the number, increasing, in the unit of the key.
     """
 
     name: str
@@ -64,7 +65,7 @@ def number_at(description: Part, key: str) -> float:
     """The number that a key stands for.
 
     Raises:
-        ValueError: There is no such key, or it holds no number; the message says what there is.
+        InputError: There is no such key, or it holds no number; the message says what there is.
     """
     holder, word = _holder(description, key)
     value = holder.get(word)
@@ -72,7 +73,7 @@ def number_at(description: Part, key: str) -> float:
         numbers = [
             k for k, v in holder.items() if isinstance(v, int | float) and not isinstance(v, bool)
         ]
-        raise ValueError(
+        raise InputError(
             f"expected the key of a number; {key} is none, but {', '.join(numbers) or 'nothing'} is"
         )
     return float(value)
@@ -97,8 +98,8 @@ def _holder(description: Part, key: str) -> tuple[Any, str]:
         if not isinstance(here, dict) or step not in here:
             known = ", ".join(here) if isinstance(here, dict) else "no table"
             where = ".".join(path[:depth]) or "the file"
-            raise ValueError(f"expected a key of the file; {where} has {known}, not {step}")
+            raise InputError(f"expected a key of the file; {where} has {known}, not {step}")
         here = here[step]
     if not isinstance(here, dict):
-        raise ValueError(f"expected the key of a number; got {key}")
+        raise InputError(f"expected the key of a number; got {key}")
     return here, word

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from ...errors import InputError
 from .numbers import AboveZero, Number, ZeroOrMore, over, spectral
 from .parts import (
     Air,
@@ -119,19 +120,19 @@ class MieAerosol(Aerosol):
         self.exactly_one_of(*AMOUNTS, "number_density_per_m3")
         small, large = self.size.smallest_radius_nm, self.size.largest_radius_nm
         if small >= large:
-            raise ValueError(f"size: expected smallest_radius_nm below largest_radius_nm; got "
+            raise InputError(f"size: expected smallest_radius_nm below largest_radius_nm; got "
                              f"{small:g} and {large:g}")  # fmt: skip
         if large > 50e3:
-            raise ValueError(f"size.largest_radius_nm: expected at most 50000; got {large:g}")
+            raise InputError(f"size.largest_radius_nm: expected at most 50000; got {large:g}")
         return self
 
 
 def _phase_table(table: dict[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
     first, last = table["angle_deg"][0], table["angle_deg"][-1]
     if first < 0 or last > 180:
-        raise ValueError(f"angle_deg: expected angles from 0 to 180; got {first:g} to {last:g}")
+        raise InputError(f"angle_deg: expected angles from 0 to 180; got {first:g} to {last:g}")
     if min(table["value"]) <= 0:
-        raise ValueError(f"expected values above 0; got {min(table['value']):g}")
+        raise InputError(f"expected values above 0; got {min(table['value']):g}")
     return table
 
 

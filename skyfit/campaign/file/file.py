@@ -3,8 +3,15 @@
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StringConstraints, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
 
+from ...errors import InputError
 from ...preetham_air import PAPER_WAVELENGTHS, TURBIDITY_MEANINGS
 from ...transfer.quality import QUALITIES
 from ..campaign import GEOMETRIES, SCHEMA, Campaign
@@ -48,9 +55,9 @@ class _Sweep(Section):
     def _complete(self) -> "_Sweep":
         self.exactly_one_of("turbidity", "key")
         if (self.key is None) != (self.values is None):
-            raise ValueError("key and values are expected together")
+            raise InputError("key and values are expected together")
         if self.called in TAKEN:
-            raise ValueError(f"name: {self.called} is taken; give the parameter another name")
+            raise InputError(f"name: {self.called} is taken; give the parameter another name")
         return self
 
     @property
@@ -102,21 +109,21 @@ class File(Section):
     @classmethod
     def _needs_schema(cls, content: Any) -> Any:
         if "schema" not in content:
-            raise ValueError(f'schema is missing: expected the line schema = "{SCHEMA}"')
+            raise InputError(f'schema is missing: expected the line schema = "{SCHEMA}"')
         return content
 
     @model_validator(mode="after")
     def _one_atmosphere(self) -> "File":
         own = [n for n in ("planet", "sun", "ground", "constituents") if getattr(self, n)]
         if own and self.atmosphere:
-            raise ValueError(f"{own[0]}: the [atmosphere] of kind {self.atmosphere.kind} is "
+            raise InputError(f"{own[0]}: the [atmosphere] of kind {self.atmosphere.kind} is "
                              "complete; remove one of them")  # fmt: skip
         if own and not self.constituents:
-            raise ValueError(f"constituents: {own[0]} is given, but nothing that scatters")
+            raise InputError(f"constituents: {own[0]} is given, but nothing that scatters")
         names = [part.name for part in self.constituents or []]
         for number, name in enumerate(names):
             if name in names[:number]:
-                raise ValueError(f"constituents[{number}].name: {name} is taken")
+                raise InputError(f"constituents[{number}].name: {name} is taken")
         return self
 
     @model_validator(mode="after")
@@ -125,9 +132,9 @@ class File(Section):
             return self
         if self.is_the_papers:
             if self.sweep.key is not None:
-                raise ValueError("sweep.key: the paper's atmosphere is swept over turbidity")
+                raise InputError("sweep.key: the paper's atmosphere is swept over turbidity")
         elif self.sweep.key is None:
-            raise ValueError("sweep.turbidity: is for the paper's atmosphere; expected key, values")
+            raise InputError("sweep.turbidity: is for the paper's atmosphere; expected key, values")
         else:
             for number, value in enumerate(self.sweep.values or ()):
                 self._try(self.sweep.key, number, value)
@@ -138,16 +145,16 @@ class File(Section):
         content = self._plain()
         try:
             changed = replaced(content, key, value)
-        except ValueError as error:
-            raise ValueError(f"sweep.key: {error}") from None
+        except InputError as error:
+            raise InputError(f"sweep.key: {error}") from None
         changed["sweep"] = None
         try:
             File.model_validate(changed)
-        except ValueError as error:
-            detail = error.errors(include_url=False)[0]  # type: ignore[attr-defined]
+        except ValidationError as error:
+            detail = error.errors(include_url=False)[0]
             words = detail["msg"].replace("Input should be", "expected")
             words = words.removeprefix("Value error, ")
-            raise ValueError(f"sweep.values[{number}]: {key}: {words}; got {value:g}") from None
+            raise InputError(f"sweep.values[{number}]: {key}: {words}; got {value:g}") from None
 
     def _plain(self) -> dict[str, Any]:
         """The file in numbers and words, with every default."""

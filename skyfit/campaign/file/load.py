@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from ..._typing import ArrayLike
 from ...atmosphere import Atmosphere
+from ...errors import InputError
 from ..campaign import Campaign
 from ..description import PaperAtmosphere
 from .file import File
@@ -28,14 +29,14 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: One line that names the file, the key, what was expected and what came.
+        InputError: One line that names the file, the key, what was expected and what came.
     """
     try:
         campaign = _read(path).campaign()
         # What only building can find impossible is better known now.
         for value in {campaign.swept[1][0], campaign.swept[1][-1]}:
             campaign.build_atmosphere(value)
-    except ValueError as error:
+    except (InputError, ValidationError) as error:
         raise _named(path, error) from None
     return campaign
 
@@ -47,14 +48,14 @@ def load_atmosphere(
 
     Args:
         path: A TOML file.
-        wavelengths: Increasing; the file's own by default [nm].
+        wavelengths: Wavelengths of the atmosphere, increasing; the file's by default [nm].
         **swept: The parameter that the file sweeps under its own name, in the file's unit, as in
             `optical_depth=0.3`. By default it has the value that the file gives where the
             parameter stands; the paper's atmosphere has a turbidity of 3.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: One line that names the file, the key, what was expected and what came.
+        InputError: One line that names the file, the key, what was expected and what came.
     """
     try:
         file = _read(path)
@@ -62,7 +63,7 @@ def load_atmosphere(
         name = campaign.swept[0]
         if set(swept) - {name}:
             expected = name or "none"
-            raise ValueError(f"load_atmosphere: expected the parameter {expected}; got "
+            raise InputError(f"load_atmosphere: expected the parameter {expected}; got "
                              f"{', '.join(swept)}")  # fmt: skip
         lam: Any = campaign.wavelengths if wavelengths is None else wavelengths
         lam = np.atleast_1d(np.asarray(lam, float))
@@ -71,7 +72,7 @@ def load_atmosphere(
         if isinstance(air, PaperAtmosphere):
             return air.build(PAPER_TURBIDITY if value is None else value, lam)
         return air.build(lam, campaign.sweep, value)
-    except ValueError as error:
+    except (InputError, ValidationError) as error:
         raise _named(path, error) from None
 
 
@@ -80,11 +81,11 @@ def _read(path: str | PathLike[str]) -> File:
         try:
             content = tomllib.load(file)
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ValueError(f"not a TOML file: {error}") from None
+            raise InputError(f"not a TOML file: {error}") from None
     return File.model_validate(content, context={"folder": str(Path(path).parent)})
 
 
-def _named(path: str | PathLike[str], error: ValueError) -> ValueError:
+def _named(path: str | PathLike[str], error: InputError | ValidationError) -> InputError:
     if isinstance(error, ValidationError):
-        return ValueError(f"{path}: {one_line(error)}")
-    return ValueError(f"{path}: {error}")
+        return InputError(f"{path}: {one_line(error)}")
+    return InputError(f"{path}: {error}")

@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from ...errors import InputError
+
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 AboveZero = Annotated[Number, Field(gt=0)]
@@ -24,9 +26,9 @@ def expand(value: Any) -> tuple[float, ...]:
     numbers = value if isinstance(value, list | tuple) else [value]
     for number in numbers:
         if not is_number(number):
-            raise ValueError(f"expected numbers or {{first, last, count or step}}; got {number!r}")
+            raise InputError(f"expected numbers or {{first, last, count or step}}; got {number!r}")
     if not numbers:
-        raise ValueError("expected one number or more; got none")
+        raise InputError("expected one number or more; got none")
     return tuple(float(number) for number in numbers)
 
 
@@ -34,21 +36,21 @@ def _range(table: dict[str, Any]) -> tuple[float, ...]:
     keys = set(table)
     if keys not in ({"first", "last", "count"}, {"first", "last", "step"}):
         came = ", ".join(sorted(keys))
-        raise ValueError(f"expected the keys first, last and one of count, step; got {came}")
+        raise InputError(f"expected the keys first, last and one of count, step; got {came}")
     for key, number in table.items():
         if not is_number(number):
-            raise ValueError(f"{key}: expected a number; got {number!r}")
+            raise InputError(f"{key}: expected a number; got {number!r}")
     first, last = float(table["first"]), float(table["last"])
     if "count" in table:
         if not isinstance(table["count"], int) or table["count"] < 1:
-            raise ValueError(f"count: expected a whole number, 1 or more; got {table['count']}")
+            raise InputError(f"count: expected a whole number, 1 or more; got {table['count']}")
         return tuple(np.linspace(first, last, table["count"]).tolist())
     step = float(table["step"])
     if not step > 0 or last < first:
-        raise ValueError(f"expected first <= last and step > 0; got {first}, {last}, {step}")
+        raise InputError(f"expected first <= last and step > 0; got {first}, {last}, {step}")
     steps = (last - first) / step
     if abs(steps - round(steps)) > 1e-9 * max(1.0, steps):
-        raise ValueError(f"steps of {step} from {first} do not end at {last}")
+        raise InputError(f"steps of {step} from {first} do not end at {last}")
     return tuple((first + step * np.arange(round(steps) + 1)).tolist())
 
 
@@ -61,7 +63,7 @@ def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
     """Refuse values that do not increase."""
     for before, after in itertools.pairwise(values):
         if after <= before:
-            raise ValueError(f"expected increasing values; got {before:g} before {after:g}")
+            raise InputError(f"expected increasing values; got {before:g} before {after:g}")
     return values
 
 
@@ -71,7 +73,7 @@ def one_of(*choices: str) -> BeforeValidator:
 
     def validate(given: Any) -> Any:
         if given not in choices:
-            raise ValueError(f"expected {', '.join(most)} or {last}; got {given!r}")
+            raise InputError(f"expected {', '.join(most)} or {last}; got {given!r}")
         return given
 
     return BeforeValidator(validate)
@@ -93,17 +95,17 @@ def spectral(low: float, high: float, unit: str = "") -> BeforeValidator:
     def validate(given: Any, info: Any) -> Any:
         if not isinstance(given, dict):
             if not is_number(given):
-                raise ValueError(f"expected a number or a table over wavelength_nm; got {given!r}")
+                raise InputError(f"expected a number or a table over wavelength_nm; got {given!r}")
             table: Any = float(given)
             values: tuple[float, ...] = (table,)
         else:
             nodes, values = _columns(given, "wavelength_nm", "value", info)
             if increasing(nodes)[0] <= 0:
-                raise ValueError(f"wavelength_nm: expected values above 0; got {nodes[0]:g}")
+                raise InputError(f"wavelength_nm: expected values above 0; got {nodes[0]:g}")
             table = {"wavelength_nm": nodes, "value": values}
         for value in values:
             if not low <= value <= high:
-                raise ValueError(f"expected {expected}; got {value:g}")
+                raise InputError(f"expected {expected}; got {value:g}")
         return table
 
     return BeforeValidator(validate)
@@ -120,7 +122,7 @@ def over(first: str, second: str, check: Callable[[Any], Any]) -> BeforeValidato
 
     def validate(given: Any, info: Any) -> Any:
         if not isinstance(given, dict):
-            raise ValueError(f"expected a table with {first} and {second}; got {given!r}")
+            raise InputError(f"expected a table with {first} and {second}; got {given!r}")
         nodes, values = _columns(given, first, second, info)
         return check({first: increasing(nodes), second: values})
 
@@ -132,11 +134,11 @@ def _columns(given: dict[str, Any], first: str, second: str, info: Any):
     if set(given) == {"csv", "column"}:
         return _read_csv(Path((info.context or {}).get("folder", ".")), given, first)
     if set(given) != {first, second}:
-        raise ValueError(f"expected the keys {first} and {second}, or csv and column; got "
+        raise InputError(f"expected the keys {first} and {second}, or csv and column; got "
                          f"{', '.join(given) or 'none'}")  # fmt: skip
     nodes, values = expand(given[first]), expand(given[second])
     if len(nodes) != len(values) or len(nodes) < 2:
-        raise ValueError(f"expected as many {second} as {first}, two or more; got {len(values)} "
+        raise InputError(f"expected as many {second} as {first}, two or more; got {len(values)} "
                          f"and {len(nodes)}")  # fmt: skip
     return nodes, values
 
@@ -146,16 +148,16 @@ def _read_csv(folder: Path, given: dict[str, Any], first: str):
     try:
         rows = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
     except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
     columns = []
     for name in (first, str(given["column"])):
         try:
             columns.append(tuple(float(row[name]) for row in rows))
         except KeyError:
             known = ", ".join(rows[0]) if rows else "none"
-            raise ValueError(f"{path}: expected a column {name}; there is {known}") from None
+            raise InputError(f"{path}: expected a column {name}; there is {known}") from None
         except (TypeError, ValueError) as error:
-            raise ValueError(f"{path}: column {name}: {error}") from None
+            raise InputError(f"{path}: column {name}: {error}") from None
     if len(rows) < 2:
-        raise ValueError(f"{path}: expected two rows or more; got {len(rows)}")
+        raise InputError(f"{path}: expected two rows or more; got {len(rows)}")
     return columns

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, StringConstraints, model_validator
 
 from ...constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
+from ...errors import InputError
 from .numbers import AboveZero, Number, Share, ZeroOrMore, over, spectral
 from .section import Section
 
@@ -36,7 +37,7 @@ class Sun(Section):
         needs = {"blackbody": "temperature_K", "table": "irradiance_W_per_m2_nm"}
         for kind, key in needs.items():
             if (self.spectrum == kind) != (getattr(self, key) is not None):
-                raise ValueError(f'{key} is expected where spectrum = "{kind}", and only there')
+                raise InputError(f'{key} is expected where spectrum = "{kind}", and only there')
         return self
 
 
@@ -65,14 +66,14 @@ class Tent(Section):
     @model_validator(mode="after")
     def _in_order(self) -> "Tent":
         if not self.bottom_m < self.peak_m < self.top_m:
-            raise ValueError(f"expected bottom_m < peak_m < top_m; got {self.bottom_m:g}, "
+            raise InputError(f"expected bottom_m < peak_m < top_m; got {self.bottom_m:g}, "
                              f"{self.peak_m:g}, {self.top_m:g}")  # fmt: skip
         return self
 
 
 def _none_below_zero(table: dict[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
     if min(table["value"]) < 0:
-        raise ValueError(f"expected densities of 0 or more; got {min(table['value']):g}")
+        raise InputError(f"expected densities of 0 or more; got {min(table['value']):g}")
     return table
 
 
@@ -195,12 +196,12 @@ class Gas(Section):
         self.exactly_one_of(*scattering, or_none=True)
         self.exactly_one_of(*absorption, or_none=True)
         if all(getattr(self, name) is None for name in (*scattering, *absorption)):
-            raise ValueError(f"expected one of {', '.join((*scattering, *absorption))}; got none")
+            raise InputError(f"expected one of {', '.join((*scattering, *absorption))}; got none")
         sections = [getattr(self, name) for name in (scattering[1], absorption[1])]
         if any(section is not None for section in sections) != (
             self.number_density_per_m3 is not None
         ):
-            raise ValueError(
+            raise InputError(
                 "number_density_per_m3 is expected with cross-sections, and only there"
             )
         return self

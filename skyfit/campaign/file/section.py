@@ -6,6 +6,8 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from ...errors import InputError
+
 
 class Section(BaseModel):
     """A table of the file: no unknown key, no silent conversion."""
@@ -29,13 +31,13 @@ class Section(BaseModel):
         """Refuse two keys that say the same thing, and none that does.
 
         Raises:
-            ValueError: Listing the keys.
+            InputError: Listing the keys.
         """
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) > 1 or not (given or or_none):
             number = "at most" if or_none else "exactly"
             came = " and ".join(given) or "none"
-            raise ValueError(f"expected {number} one of {', '.join(names)}; got {came}")
+            raise InputError(f"expected {number} one of {', '.join(names)}; got {came}")
 
 
 # Where pydantic's own words are for programmers.
