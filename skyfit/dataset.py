@@ -12,7 +12,6 @@ import dataclasses
 import json
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ import xarray as xr
 from .campaign import Campaign, PaperAtmosphere
 from .colour import spectrum_to_xyY
 from .error_estimate import ERRORS, covers, estimate_of
+from .versions import version_of
 
 
 SCHEMA = "skyfit/dataset/1"
@@ -213,15 +213,8 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Versions of what makes the numbers."""
-    packages = {name: _version(name) for name in ("skyfit", "jax", "equinox", "numpy")}
+    packages = {name: version_of(name) for name in ("skyfit", "jax", "equinox", "numpy")}
     return packages | {"python": platform.python_version()}
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:  # run from a source tree
-        return "unreleased"
 
 
 def _open(path: str | PathLike[str], kind: str) -> xr.Dataset:
@@ -261,7 +254,7 @@ def _attributes(campaign: Campaign) -> dict[str, str]:
     return {
         "Conventions": "CF-1.11",
         "title": "Simulated clear-sky radiance",
-        "source": f"skyfit {_version('skyfit')}",
+        "source": f"skyfit {version_of('skyfit')}",
         **({"references": paper} if isinstance(campaign.atmosphere, PaperAtmosphere) else {}),
         "schema": SCHEMA,
         "campaign": json.dumps(campaign.to_dict()),

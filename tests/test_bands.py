@@ -1,14 +1,13 @@
 """Bands of water vapour and oxygen, against the formulas and the table of Bird & Riordan."""
 
-import importlib
-
 import numpy as np
 import pytest
+from peers import peer
 
 from skyfit.description.bands import mixed_gas_bands, water_vapour_bands
 
 
-PUBLISHED = importlib.import_module("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS
+PUBLISHED = peer("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS
 VISIBLE = PUBLISHED[(PUBLISHED["wavelength"] >= 570) & (PUBLISHED["wavelength"] <= 800)]
 AIRMASS = np.array([1.0, 2.0, 5.0, 10.0, 38.0])
 

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from PythonicDISORT.pydisort import pydisort
+from peers import peer
 
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
 
+
+pydisort = peer("PythonicDISORT.pydisort").pydisort
 
 TOP = 60e3  # m
 AIR, HAZE = (1.2e-5, 8e3), (1.0e-4, 1.2e3)  # scattering [1/m] and scale height [m]

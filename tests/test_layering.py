@@ -9,7 +9,7 @@ import skyfit
 
 
 ORDER = [
-    "_typing", "constants", "tables",                         # numbers
+    "_typing", "versions", "constants", "tables",             # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",
