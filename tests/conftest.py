@@ -20,6 +20,9 @@ mpl.use("Agg")
 
 
 def pytest_collection_modifyitems(config, items):
+    # Files with slow tests first, so that none is left for one process at the end.
+    long = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in long)
     if not FLOAT64:
         lost = [item for item in items if item.get_closest_marker("float64")]
         config.hook.pytest_deselected(items=lost)

@@ -22,6 +22,7 @@ def mixed(x):
     return np.exp(-1.41 * x / (1 + 118.93 * x) ** 0.45)
 
 
+@pytest.mark.slow
 def test_water_vapour_is_absorbed_as_in_the_published_formula_at_every_length():
     # x = 1 in a column of 1 m: k is 2.5 per cm at 724.4 nm, and 0.4 cm of water.
     bands = water_vapour_bands(np.array([724.4]), 0.004, 1.0)
@@ -30,6 +31,7 @@ def test_water_vapour_is_absorbed_as_in_the_published_formula_at_every_length():
     np.testing.assert_allclose(found, water(x), atol=1e-3)
 
 
+@pytest.mark.slow
 def test_mixed_gases_absorb_as_in_the_published_formula_at_every_length():
     bands = mixed_gas_bands(np.array([762.5]), 4.0)  # k is 4
     x = np.r_[0, np.geomspace(1e-6, 500, 2000)]
@@ -45,6 +47,7 @@ def test_two_centimetres_of_water_take_a_seventh_at_724_nm_and_half_at_the_horiz
     np.testing.assert_allclose(bands.transmittance(24000.0), 0.556, atol=1.5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("airmass", AIRMASS)
 def test_the_table_is_that_of_the_published_program(airmass):
     lam = np.ascontiguousarray(VISIBLE["wavelength"])

@@ -23,6 +23,7 @@ def test_pages_are_found():
     assert {page.name for page in PAGES} >= {"index.md", "tutorial.md", "refit.md"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
 )

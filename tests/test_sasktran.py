@@ -117,6 +117,7 @@ def test_single_scattering_on_a_sphere_is_that_of_sasktran(sun_deg):
     np.testing.assert_allclose(ours, single_scattering(species, sun), rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun_deg", [30.0, 80.0])
 def test_all_orders_on_a_sphere_are_those_of_sasktran(sun_deg):
     sun, species = np.radians(sun_deg), (AIR, WIDE_HAZE)
