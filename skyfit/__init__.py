@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 # Every name is loaded when it is first asked for: fitting, files and pictures bring optimistix,
 # xarray and matplotlib with them, which a user of the formulas alone should not wait for.
 if TYPE_CHECKING:
+    __version__: str
     from . import (
         angles as angles,
         marcher as marcher,
@@ -146,7 +147,9 @@ _HOME = {name: home for home, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME:
+    if name == "__version__":
+        value = import_module(".provenance", __name__).package_version("skyfit")
+    elif name in _HOME:
         value = getattr(import_module(f".{_HOME[name]}", __name__), name)
     elif name in _MODULES:
         value = import_module(f".{name}", __name__)

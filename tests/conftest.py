@@ -1,5 +1,6 @@
 """The suite is stricter than a user's program."""
 
+import os
 from pathlib import Path
 
 import jax
@@ -7,12 +8,44 @@ import matplotlib as mpl
 import pytest
 
 
-# The whole suite runs in float64, and a silent promotion or broadcast is an error.
-jax.config.update("jax_enable_x64", True)
+# The whole suite runs in float64, and a silent promotion or broadcast is an error. SKYFIT_X64=0 is
+# for a run without float64, of the tests that are not marked as needing it.
+FLOAT64 = os.environ.get("SKYFIT_X64", "1") != "0"
+jax.config.update("jax_enable_x64", FLOAT64)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 jax.config.update("jax_numpy_rank_promotion", "raise")
+NO_SKIPS = os.environ.get("SKYFIT_NO_SKIPS") == "1"
 
 mpl.use("Agg")
+
+
+def pytest_collection_modifyitems(config, items):
+    # Files with slow tests first, so that none is left for one process at the end.
+    long = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in long)
+    if not FLOAT64:
+        lost = [item for item in items if item.get_closest_marker("float64")]
+        config.hook.pytest_deselected(items=lost)
+        items[:] = [item for item in items if item not in set(lost)]
+
+
+def fails_if_skipped(report):
+    """Where nothing may be skipped, what is skipped has failed, with the reason it gave."""
+    if NO_SKIPS and report.skipped and not hasattr(report, "wasxfail"):
+        reason = report.longrepr[2]
+        report.outcome = "failed"
+        report.longrepr = f"SKYFIT_NO_SKIPS=1, but {report.nodeid} was skipped: {reason}"
+    return report
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_makereport():
+    return fails_if_skipped((yield))
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_make_collect_report():
+    return fails_if_skipped((yield))
 
 
 @pytest.fixture

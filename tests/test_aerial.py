@@ -47,6 +47,7 @@ def aerial(air):
     return skyfit.aerial_perspective(air, even_sky, SUN)
 
 
+@pytest.mark.slow
 def test_light_is_seen_unchanged_from_no_distance(aerial):
     light0 = jnp.array([0.7, 0.2])
     np.testing.assert_array_equal(aerial.apply(light0, 0.0, LEVEL, 0.3, 100.0), light0)
@@ -65,6 +66,7 @@ def test_a_level_view_without_end_shows_the_source_function(aerial, air):
     np.testing.assert_allclose(seen, source / beta, rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["quadrature", "paper"])
 def test_values_and_gradients_are_finite_everywhere(aerial, method):
     model = dataclasses.replace(aerial, method=method)
@@ -110,6 +112,7 @@ def test_a_level_view_gets_half_an_even_sky_whatever_the_phase_function():
     np.testing.assert_allclose(found[0, 1], 1e-5 * 0.1 / 2, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_white_ground_under_an_even_sky_closes_the_sphere():
     # At 650 nm there is no sun, and the ground is as bright as the sky.
     model = of_one(phase.CornetteShanks(0.6), even_sky, ground_albedo=1.0)
@@ -117,6 +120,7 @@ def test_a_white_ground_under_an_even_sky_closes_the_sphere():
     np.testing.assert_allclose(found[:, 0, 1], 1e-5 * 0.1, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_sunlight_follows_the_phase_function():
     haze = phase.HenyeyGreenstein(0.76)
     model = of_one(haze, lambda z, a: jnp.zeros((*z.shape, 2)))
@@ -125,6 +129,7 @@ def test_sunlight_follows_the_phase_function():
     np.testing.assert_allclose(found, 0.5e-5 * haze(jnp.cos(views - SUN)), rtol=5e-4)
 
 
+@pytest.mark.slow
 def test_the_tables_follow_a_real_sky_and_a_real_haze():
     air = skyfit.preetham_atmosphere(3.0, wavelengths=[550.0])
     sky = skyfit.preetham_sky(3.0)
@@ -170,6 +175,7 @@ def test_other_profiles_are_replaced_by_exponentials_of_the_same_column():
     assert found.extinction[2, 0] == 0  # no ozone at the ground
 
 
+@pytest.mark.slow
 def test_colours_through_rgb_are_those_through_the_spectrum():
     sky = skyfit.preetham_sky(3.0)
     spectral = skyfit.aerial_perspective(3.0, sky, SUN)
@@ -193,6 +199,7 @@ def test_at_sunset_the_air_is_yellow_to_the_west_and_bluer_to_the_east():
     assert (view.west.xyY[:, 2] > 2 * view.east.xyY[:, 2]).all()
 
 
+@pytest.mark.slow
 def test_without_an_own_sky_the_air_is_lit_by_the_simulated_one(air, monkeypatch):
     # One order compiles in a fraction of the time that two take.
     simulate = functools.partial(skyfit.simulate, orders=1)

@@ -56,6 +56,7 @@ DEGREES = (0, 40, 70, 80, 85, 88, 89, 89.7, 89.9, 90, 90.1, 90.5, 91, 93, 100, 1
 DISTANCES = (1.0, 1e3, 1e4, 5e4, 2e5, 1e6, np.inf)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 2000.0, 12000.0])
 @pytest.mark.parametrize("turbidity", [1.0, 3.0, 10.0])
 def test_quadrature_is_within_a_thousandth_for_every_ray(turbidity, height):
@@ -96,6 +97,7 @@ def light_error(method, turbidity, degrees, distances, height=0.0):
     return np.abs(light / exact - 1).max(axis=-1).reshape(len(degrees), len(distances))
 
 
+@pytest.mark.slow
 def test_equation_10_is_exact_on_the_level_and_good_while_rays_climb_little():
     assert light_error(closed.near_level, 3.0, [90], [1e3, 1e5, np.inf]).max() < 1e-6
     # 100 m under 85° climb 9 m, less than a hundredth of a scale height.
@@ -108,6 +110,7 @@ def by_v(air, ray):
     return closed.by_hermite(air, ray, "by v")
 
 
+@pytest.mark.slow
 def test_the_hermite_form_diverges_with_right_slopes_and_stays_bounded_with_wrong_ones():
     assert light_error(by_v, 3.0, [60, 85], [1e3]).max() < 1e-4
     assert light_error(by_v, 3.0, [45], [5e4]).min() > 1e6

@@ -73,6 +73,7 @@ def found(campaign):
     return skyfit.fit_aerosol(skies, campaign, "haze", wavelengths=LAM, orders=1, quality=COARSE)
 
 
+@pytest.mark.slow
 def test_the_numbers_of_a_simulated_aerosol_come_back(found):
     assert found.converged
     for name, value in (TRUTH | {"ground_scale": 1.0}).items():
@@ -90,6 +91,7 @@ def test_fitted_numbers_take_their_places_in_the_campaign(found, campaign):
     np.testing.assert_allclose(fitted.ground_albedo, 0.1 * found.values["ground_scale"], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_derivatives_through_the_simulator_are_those_of_differences(campaign):
     start = aerosol_fit._free(TRUTH | {"asymmetry": 0.5})
     base = campaign.build_atmosphere(np.nan)

@@ -73,6 +73,7 @@ def test_wavelengths_may_be_lists_arrays_or_one_number():
     assert Atmosphere(np.array([500.0, 600.0]), 1.0, (one,)).wavelengths.shape == (2,)
 
 
+@pytest.mark.slow
 def test_an_atmosphere_is_made_and_differentiated_inside_a_program():
     def depth(factor):
         haze = Constituent(HAZE.density, factor * 4e-5, phase=HAZE.phase)

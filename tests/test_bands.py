@@ -1,14 +1,13 @@
 """Bands of water vapour and oxygen, against the formulas and the table of Bird & Riordan."""
 
-import importlib
-
 import numpy as np
 import pytest
+from peers import peer
 
 from skyfit.campaign.description.bands import mixed_gas_bands, water_vapour_bands
 
 
-PUBLISHED = importlib.import_module("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS
+PUBLISHED = peer("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS
 VISIBLE = PUBLISHED[(PUBLISHED["wavelength"] >= 570) & (PUBLISHED["wavelength"] <= 800)]
 AIRMASS = np.array([1.0, 2.0, 5.0, 10.0, 38.0])
 
@@ -23,6 +22,7 @@ def mixed(x):
     return np.exp(-1.41 * x / (1 + 118.93 * x) ** 0.45)
 
 
+@pytest.mark.slow
 def test_water_vapour_is_absorbed_as_in_the_published_formula_at_every_length():
     # x = 1 in a column of 1 m: k is 2.5 per cm at 724.4 nm, and 0.4 cm of water.
     bands = water_vapour_bands(np.array([724.4]), 0.004, 1.0)
@@ -31,6 +31,7 @@ def test_water_vapour_is_absorbed_as_in_the_published_formula_at_every_length():
     np.testing.assert_allclose(found, water(x), atol=1e-3)
 
 
+@pytest.mark.slow
 def test_mixed_gases_absorb_as_in_the_published_formula_at_every_length():
     bands = mixed_gas_bands(np.array([762.5]), 4.0)  # k is 4
     x = np.r_[0, np.geomspace(1e-6, 500, 2000)]
@@ -46,6 +47,7 @@ def test_two_centimetres_of_water_take_a_seventh_at_724_nm_and_half_at_the_horiz
     np.testing.assert_allclose(bands.transmittance(24000.0), 0.556, atol=1.5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("airmass", AIRMASS)
 def test_the_table_is_that_of_the_published_program(airmass):
     lam = np.ascontiguousarray(VISIBLE["wavelength"])

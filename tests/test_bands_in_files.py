@@ -41,6 +41,7 @@ quality = "draft"
 """
 
 
+@pytest.mark.slow
 def test_a_campaign_file_has_water_vapour_and_oxygen(tmp_path):
     (tmp_path / "wet.toml").write_text(FILE)
     air = skyfit.load_atmosphere(tmp_path / "wet.toml")

@@ -30,6 +30,7 @@ def pretend(case):
     return record | {f"gradient_{name}": 2 * value for name, value in record.items()}
 
 
+@pytest.mark.slow
 def test_a_case_counts_its_values_and_keeps_its_radiance(tmp_path):
     file = str(tmp_path / "light.npy")
     record = measure(TINY._replace(keep=file))
@@ -45,6 +46,7 @@ def test_a_case_counts_its_values_and_keeps_its_radiance(tmp_path):
     np.testing.assert_allclose(light, sky.radiance, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_case_estimates_its_error_as_the_simulator_does():
     record = measure(TINY._replace(estimate=True, repeats=1))
     atmosphere = skyfit.preetham_atmosphere(
@@ -62,11 +64,13 @@ def test_a_case_estimates_its_error_as_the_simulator_does():
     assert record["estimated_error_rms"] == pytest.approx(rms, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_case_runs_in_a_process_of_its_own_precision():
     record = run._in_fresh_process(TINY._replace(precision=32, repeats=1))
     assert record["run_s"] > 0
 
 
+@pytest.mark.slow
 def test_a_case_that_fails_says_why():
     with pytest.raises(RuntimeError, match="quality"):
         run._in_fresh_process(TINY._replace(quality="perfect"))

@@ -73,6 +73,7 @@ def test_a_campaign_survives_json():
     assert skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict()))) == campaign
 
 
+@pytest.mark.slow
 def test_the_campaigns_atmosphere_is_the_papers_of_that_turbidity():
     campaign = skyfit.Campaign(wavelengths=[450.0, 550.0, 650.0])
     depth = campaign.build_atmosphere(3.0).optical_depth()

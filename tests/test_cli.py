@@ -46,6 +46,7 @@ def mistake(capsys, *arguments):
     return printed.err
 
 
+@pytest.mark.slow
 def test_simulate_writes_the_campaign_of_the_file(campaign, tmp_path, capsys):
     store = tmp_path / "sky.zarr"
     assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
@@ -82,6 +83,7 @@ def test_an_interrupted_simulation_says_how_to_go_on_and_does(
     assert skyfit.load_dataset(store).sizes["turbidity"] == 2
 
 
+@pytest.mark.slow
 def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_path, capsys):
     store, out = tmp_path / "sky.nc", tmp_path / "fit.json"
     assert cli.run(["simulate", str(campaign), "--out", str(store)]) == 0
@@ -193,6 +195,7 @@ def test_every_command_explains_itself(capsys):
         assert "--json" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_installed_program_runs():
     program = Path(sys.executable).with_name("skyfit")
     start = [str(program)] if program.exists() else [sys.executable, "-c", "from skyfit.cli import "

@@ -38,6 +38,7 @@ def test_the_equal_energy_spectrum_is_white_in_the_middle():
     np.testing.assert_allclose(xyY[2], 683.002 * 106.8569, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_standard_illuminant_d65_has_its_tabulated_chromaticity():
     from colour.colorimetry import SDS_ILLUMINANTS
 
@@ -125,6 +126,7 @@ def test_daylight_is_differentiable_where_the_published_denominator_vanishes():
     assert np.all(np.isfinite(jacobian))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("float32")
 def test_colour_works_in_float32():
     # Rounding to 6e-8 grows with the terms that cancel in 471 sums and in M1, M2.

@@ -86,6 +86,7 @@ def test_a_model_whose_package_is_missing_is_left_out():
     assert compare_skies(SUN, 3.0, models=[missing, *UNIFORM])[0]["model"] == "uniform"
 
 
+@pytest.mark.slow
 def test_fits_are_rows_and_must_be_over_turbidity(tmp_path, capsys):
     fit = skyfit.fit_sky(model_skies())
     rows = compare_skies(SUN, 3.0, fits={"mine": fit}, models=PUBLISHED)
@@ -105,6 +106,7 @@ def test_suns_and_turbidities_out_of_range_are_refused():
         compare_skies(SUN, 0.5, models=UNIFORM)
 
 
+@pytest.mark.slow
 def test_orders_of_a_simulation_add_up():
     rows = {row["model"]: row["luminance"] for row in compare_skies(SUN, 3.0)}
     orders = [

@@ -9,11 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from peers import peer
 
 from skyfit.compare import compare_skies
 from skyfit.compare.models import MODELS
 from skyfit.compare.peers import HosekWilkieSky
 
+
+peer("mitsuba")
 
 TABLE = np.genfromtxt(
     Path(__file__).parent / "reference" / "hosek_wilkie_skies.csv", delimiter=",", skip_header=1

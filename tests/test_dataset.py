@@ -97,6 +97,7 @@ def test_a_campaign_that_is_on_record_is_not_simulated_again(calls, tmp_path, na
     assert calls == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_interrupted_campaign_goes_on_where_it_stopped(calls, tmp_path, workers):
     whole = skyfit.run_campaign(SMALL)
@@ -188,6 +189,7 @@ def test_a_missing_record_is_named(tmp_path):
             skyfit.load_dataset(str(tmp_path / name))
 
 
+@pytest.mark.slow
 def test_skies_on_record_are_those_of_the_simulator():
     record = skyfit.run_campaign(SMALL, suns_per_call=2)
     sky = skyfit.simulate(

@@ -39,6 +39,7 @@ def atmosphere(tmp_path, text, wavelengths=LAM, **swept):
     return skyfit.load_atmosphere(file, wavelengths, **swept)
 
 
+@pytest.mark.slow
 def test_the_papers_air_and_haze_in_words_are_the_papers_atmosphere(tmp_path):
     described = atmosphere(tmp_path, AIR + HAZE + "turbidity = 3.5\n")
     built_in = skyfit.preetham_atmosphere(3.5, wavelengths=LAM)
@@ -243,6 +244,7 @@ MONO = {"kind": "lognormal", "median_radius_nm": 500.0, "geometric_deviation": 1
         "smallest_radius_nm": 499.9, "largest_radius_nm": 500.1}  # fmt: skip
 
 
+@pytest.mark.slow
 def test_spheres_of_one_size_extinguish_as_miepython_says():
     part = {"size": MONO, "refractive_index": 1.5, "absorption_index": 0.01}
     found = mie_optics(part, np.array([550.0]))

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from PythonicDISORT.pydisort import pydisort
+from peers import peer
 
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
 
+
+pydisort = peer("PythonicDISORT.pydisort").pydisort
 
 TOP = 60e3  # m
 AIR, HAZE = (1.2e-5, 8e3), (1.0e-4, 1.2e3)  # scattering [1/m] and scale height [m]
@@ -42,6 +44,7 @@ def discrete_ordinates(cos_sun, albedo, hazier=1.0):
     return mu, lambda azimuth: radiance(below[-1], azimuth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sun_deg", "albedo"), [(30.0, 0.0), (75.0, 0.3)])
 def test_all_orders_over_a_plane_are_those_of_discrete_ordinates(sun_deg, albedo):
     sun = np.radians(sun_deg)
@@ -61,6 +64,7 @@ def test_all_orders_over_a_plane_are_those_of_discrete_ordinates(sun_deg, albedo
     np.testing.assert_allclose(sky.radiance[..., 0], want, rtol=5e-4)
 
 
+@pytest.mark.slow
 def test_wavelengths_of_other_depths_share_their_levels():
     """Haze of depth 0.13, 1.3 and 5.9 at three wavelengths, for all of which levels are laid."""
     sun, hazier = np.radians(60.0), np.array([1.0, 10.0, 45.0])

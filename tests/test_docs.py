@@ -23,6 +23,7 @@ def test_pages_are_found():
     assert {page.name for page in PAGES} >= {"index.md", "tutorial.md", "refit.md"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
 )
@@ -64,3 +65,20 @@ def test_every_public_name_is_in_the_reference():
     assert public - shown == set()
     modules = set(re.findall(r"^::: skyfit\.(\w+)(?:\.\w+)?$", text, re.MULTILINE))
     assert set(skyfit._MODULES) <= modules
+
+
+def test_the_places_that_contributors_are_sent_to_exist():
+    root = DOCS.parent
+    text = (root / "CONTRIBUTING.md").read_text()
+    rows = text[text.index("## Where to change what") :].split("\n| ")[2:]
+    assert len(rows) == 12
+    code = "".join(
+        path.read_text() for path in (*root.glob("skyfit/**/*.py"), *root.glob("tests/*.py"))
+    )
+    for row in rows:
+        places = re.findall(r"`([^`]+)`", row)
+        missing = [place for place in places if "/" in place and not (root / place).exists()]
+        missing += [
+            place for place in places if "/" not in place and not re.search(rf"\b{place}\b", code)
+        ]
+        assert missing == [], row

@@ -72,6 +72,7 @@ def file(tmp_path, simulator):
     return path
 
 
+@pytest.mark.slow
 def test_a_campaigns_estimates_are_those_of_the_single_skies():
     record = skyfit.run_campaign(SMALL, estimate_error="all")
     atmosphere = SMALL.build_atmosphere(4.0)
@@ -125,6 +126,7 @@ def test_the_worst_is_named_by_its_place(simulator, monkeypatch):
     assert "sun zenith 70°, view zenith 60°, relative azimuth 0°, wavelength 450 nm" in str(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sky.zarr", "sky.nc"])
 @pytest.mark.parametrize("skies", ["sample", "all"])
 def test_an_estimate_is_read_back_equal(simulator, tmp_path, name, skies):
@@ -137,6 +139,7 @@ def test_an_estimate_is_read_back_equal(simulator, tmp_path, name, skies):
     skyfit.fit_sky(again)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sky.zarr", "sky.nc"])
 def test_a_finished_store_gains_an_estimate_and_keeps_it(simulator, tmp_path, name):
     store = tmp_path / name

@@ -110,6 +110,7 @@ def at_turbidity(data):
     return eqx.tree_at(lambda sky: sky.swept["turbidity"], PUBLISHED, jnp.asarray(data[:, 9]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_ten_thousand_directions_have_the_models_colours(language, tmp_path):
     data = random_rows(deepest_sun=89.0 if language in SHADERS else 96.0)
@@ -118,6 +119,7 @@ def test_ten_thousand_directions_have_the_models_colours(language, tmp_path):
     assert worst(got, expected(at_turbidity(data), data)) < (1e-5 if language in SHADERS else 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", SHADERS)
 def test_a_shaders_dusk_has_the_models_colours(language, tmp_path):
     data = random_rows(1, 20_000)
@@ -128,6 +130,7 @@ def test_a_shaders_dusk_has_the_models_colours(language, tmp_path):
     assert worst(got, expected(at_turbidity(data), data)) < 5e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_a_sky_without_a_swept_parameter_takes_none(language, one_sky, tmp_path):
     data = random_rows(2, 1000, deepest_sun=89.0, swept=False)
@@ -135,6 +138,7 @@ def test_a_sky_without_a_swept_parameter_takes_none(language, one_sky, tmp_path)
     assert worst(got, expected(one_sky, data)) < (1e-5 if language in SHADERS else 1e-9)
 
 
+@pytest.mark.slow
 def test_a_fit_is_exported_with_its_own_coefficients(fit, tmp_path):
     data = random_rows(3, 1000)
     got = run(export_fit(fit, "c"), "c", data, tmp_path)

@@ -59,6 +59,7 @@ def compared(model, language, where, seed, deepest_sun):
     return worst(run(export_fit(model, language), language, data, where)[lit], want[lit])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "basis", "kind"), CASES)
 @pytest.mark.parametrize("language", ["c", "glsl"])
 def test_directions_have_the_models_colours(shape, basis, kind, language, tmp_path):

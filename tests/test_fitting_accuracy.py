@@ -12,6 +12,7 @@ from skyfit.models import preetham_sky
 DATA = model_skies()
 
 
+@pytest.mark.slow
 def test_the_published_coefficients_are_recovered_from_a_cold_start():
     for name, error in recovery_error().items():
         assert error <= 1e-9, name
@@ -47,6 +48,7 @@ def test_a_brighter_zenith_is_a_smaller_relative_sky():
     assert shape_error(DATA * 1e3, DATA)["Y"] < 1e-14
 
 
+@pytest.mark.slow
 def test_fits_models_and_data_can_be_compared_in_any_pair():
     fit = fit_sky(DATA)
     for pair in ((fit, DATA), (fit, preetham_sky)):

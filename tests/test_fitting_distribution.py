@@ -35,6 +35,7 @@ def test_any_real_numbers_give_coefficients_within_bounds():
     assert np.all(1 + a * np.exp(b) > 0)
 
 
+@pytest.mark.slow
 def test_coordinates_have_finite_gradients_even_far_out():
     for scale in (1, 10, 100):
         free = scale * jnp.array([1.0, -2.0, -1.0, -2.0, 1.0])

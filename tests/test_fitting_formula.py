@@ -30,6 +30,7 @@ def series(skies):
     return fit_sky(skies, distribution=SMALL, dependence=Dependence(sun_degree=3))
 
 
+@pytest.mark.slow
 def test_a_fitted_sky_is_the_data(skies, series):
     for turbidity in (2.0, 6.0):
         one = skies.sel(turbidity=turbidity)
@@ -45,6 +46,7 @@ def test_its_shape_is_compared_like_any_sky(skies, series):
     assert 0 < error["Y"] < 0.1
 
 
+@pytest.mark.slow
 def test_the_command_fits_a_formula_and_says_how_sound_it_is(skies, tmp_path, capsys):
     save_dataset(skies.assign_attrs(schema=SCHEMA), tmp_path / "sky.nc")
     words = ["fit", str(tmp_path / "sky.nc"), "--distribution", "series", "--json"]
@@ -110,6 +112,7 @@ def test_a_broken_file_is_refused_by_name_and_key(series, tmp_path, change, mess
     assert str(error.value).startswith(str(path))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("choice", "message"),
     [

@@ -49,6 +49,7 @@ def test_every_inner_sun_and_value_is_left_out_once_and_no_end(skies):
         list(leave_out(table.subset(ends)))
 
 
+@pytest.mark.slow
 def test_a_fit_does_not_see_what_is_left_out(skies):
     table = read_skies(skies)
     away = next(iter(leave_out(table)))
@@ -61,6 +62,7 @@ def test_a_fit_does_not_see_what_is_left_out(skies):
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_errors_are_those_of_a_loop_over_skies(skies, others):
     (rung,) = ladder(
         skies, held_out=others, distributions=(SMALL,), dependences=(LOW,), channels=("XYZ",)
@@ -82,6 +84,7 @@ def test_errors_are_those_of_a_loop_over_skies(skies, others):
     np.testing.assert_allclose([rms for _, rms in rung.held_out["Y"].by_sun], by_sun, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_unseen_skies_fit_worse_than_seen_ones(skies):
     (rung,) = ladder(skies, distributions=(SMALL,), dependences=(LOW,), channels=("RGB",))
     assert 0 < rung.fitted["Y"].rms < rung.held_out["Y"].rms < 0.5
@@ -90,6 +93,7 @@ def test_unseen_skies_fit_worse_than_seen_ones(skies):
     assert set(rung.held_out) == {"x", "y", "Y", "R", "G", "B"}
 
 
+@pytest.mark.slow
 def test_the_claim_about_colours_comes_with_numbers(skies, others):
     rungs = ladder(skies, held_out=others, distributions=("perez",), dependences=("linear",))
     claim = colour_claim(rungs)
@@ -99,6 +103,7 @@ def test_the_claim_about_colours_comes_with_numbers(skies, others):
     assert colour_claim(rungs[:1]) is None
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_ladder(skies, tmp_path, capsys):
     skies = skies.assign_attrs(schema=SCHEMA)
     save_dataset(skies, tmp_path / "sky.nc")

@@ -32,6 +32,7 @@ def edited(path, change):
     return path
 
 
+@pytest.mark.slow
 def test_a_fit_comes_back_equal(fit, saved):
     back = load_fit(saved)
     for name in ("x", "y", "Y"):

@@ -38,6 +38,7 @@ def test_the_order_of_dimensions_does_not_matter():
     np.testing.assert_array_equal(read_skies(turned).values, read_skies(DATA).values)
 
 
+@pytest.mark.slow
 def test_colours_follow_from_radiance_where_they_are_not_given():
     lam = np.arange(360.0, 831.0, 10.0)
     light = preetham_sky(3.0).radiance(SUNS[:, None], *DIRECTIONS, lam)

@@ -48,6 +48,7 @@ def bent(exact):
     return exact * xr.DataArray(ripple, dims="direction")
 
 
+@pytest.mark.slow
 def test_published_skies_give_the_published_coefficients_back(fit):
     for name in CHANNELS:
         np.testing.assert_allclose(fit.coefficients[name], COEFFICIENTS[name], atol=1e-9)
@@ -70,6 +71,7 @@ def test_the_fitted_model_is_the_model_it_was_fitted_to(fit):
     np.testing.assert_allclose(fit.sky(turbidity=4.4).xyY(*angles), want, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_without_a_zenith_direction_the_zenith_is_fitted_too(exact):
     fit = fit_sky(exact.isel(direction=slice(1, None)))
     for name in CHANNELS:
@@ -129,6 +131,7 @@ def test_a_flat_channel_is_said_to_be_unidentified(exact):
     assert all("turbidity" in words for words in found)
 
 
+@pytest.mark.slow
 def test_nothing_swept_needs_no_parameter(exact):
     fit = fit_sky(exact.isel(turbidity=1, drop=True))
     assert fit.parameter_name is None
@@ -149,6 +152,7 @@ def test_another_swept_parameter_keeps_its_name(exact):
         fit.sky(optical_depth=7.0)
 
 
+@pytest.mark.slow
 def test_one_sky_alone_can_be_fitted(exact):
     fit = fit_sky(exact.isel(turbidity=0, sun_zenith=[1], drop=True))
     want = preetham_sky(2.0).xyY(SUNS[1], DIRECTIONS[0], DIRECTIONS[1])
@@ -222,6 +226,7 @@ def polished(problem, free):
     return free
 
 
+@pytest.mark.slow
 def test_coefficients_differentiate_with_respect_to_the_data(bent):
     skies = read_skies(noisy(bent, 0.02))
     fit = fit_groups(skies, PUBLISHED, FitSettings())
@@ -243,6 +248,7 @@ def test_coefficients_differentiate_with_respect_to_the_data(bent):
     np.testing.assert_allclose(implicit / scale, slope / scale, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_every_sky_by_itself_is_fitted_as_well_as_from_random_starts(bent):
     data = noisy(bent, 0.01)
     each = fit_each_sky(data)
@@ -276,6 +282,7 @@ def test_nan_is_refused_and_never_fitted(exact):
             fit(data)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("float32")
 def test_fits_work_in_a_float32_program(exact):
     skies = read_skies(exact)

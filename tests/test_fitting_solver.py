@@ -32,6 +32,7 @@ def test_rosenbrocks_valley_ends_at_one_one():
     assert solution.stats["num_steps"] < 40
 
 
+@pytest.mark.slow
 def test_the_loss_never_rises_from_step_to_step():
     # Gauss and Newton alone would first leap across the valley, to a loss of hundreds.
     losses = []

@@ -83,6 +83,7 @@ def test_light_is_that_of_the_loops(air, sun_degrees, altitude):
     np.testing.assert_allclose(light, expected, rtol=1e-5, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_sixteen_by_eight_steps_are_a_tenth_dark_and_more_near_the_horizon(air):
     views = jnp.radians(jnp.array([0.0, 30.0, 60.0, 80.0]))
     exact = skyfit.simulate(skyfit.scs_atmosphere(), SUN, views, 1.0, orders=1).radiance[:, ::-1]
@@ -93,6 +94,7 @@ def test_sixteen_by_eight_steps_are_a_tenth_dark_and_more_near_the_horizon(air):
     np.testing.assert_allclose(many, exact, rtol=0.015)
 
 
+@pytest.mark.slow
 def test_from_space_it_converges_to_the_simulator(air):
     altitude = 300e3
     views = jnp.radians(jnp.array([60.0, 100.0, 150.0, 180.0]))
@@ -106,6 +108,7 @@ def test_from_space_it_converges_to_the_simulator(air):
     np.testing.assert_allclose(light, exact, rtol=0.015, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_table_replaces_the_steps_towards_the_sun(air):
     views = rays([0.0, 60.0, 85.0])
     by_steps, _ = marcher.march(air, EYE, views, TOWARD, light_steps=400)
@@ -131,6 +134,7 @@ def test_an_object_is_seen_through_the_transmittance(air):
     assert (near[0] < far[0]).all()
 
 
+@pytest.mark.slow
 def test_mountains_cast_shafts_of_shadow(air):
     sun = np.asarray(rays([80.0], 0.0))[0]
     ridge = np.zeros((61, 61))
@@ -198,6 +202,7 @@ def test_a_camera_looks_where_it_is_told():
     np.testing.assert_allclose(np.linalg.norm(picture, axis=-1), 1.0)
 
 
+@pytest.mark.slow
 def test_heights_keep_their_digits_in_single_precision(float32):
     radius = jnp.asarray(6.36e6)
     point = jnp.asarray([300.0, 400.0, 0.25])
@@ -218,6 +223,7 @@ def test_light_in_single_precision_is_that_in_double(air):
     np.testing.assert_allclose(rough, exact, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_gradients_are_finite_by_day_and_night():
     sky = skyfit.scs_sky()
     grid = np.meshgrid(

@@ -221,6 +221,7 @@ def test_the_horizons_exponential_has_a_limit_of_zero_and_a_gradient_of_nan():
 # 10. The published zenith against a simulation with the paper's own optics
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("turbidity", "sun_deg", "ratio", "bluer"),
     [(2.0, 30.0, 1.27, 0.02), (6.0, 60.0, 2.39, 0.04)],

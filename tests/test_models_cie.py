@@ -185,6 +185,7 @@ def test_the_blend_is_the_published_sky_at_one_end_and_overcast_at_the_other():
     np.testing.assert_allclose(half, np.mean(both), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_blend_has_no_kink_over_turbidity():
     slope = jax.vmap(jax.grad(lambda t: overcast_blend_sky(t).cover))
     np.testing.assert_allclose(

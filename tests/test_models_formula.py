@@ -205,6 +205,7 @@ def test_a_channel_is_its_scale_times_its_shape(name, basis):
         assert float(got[k]) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_every_kind_of_channels_is_the_same_sky_in_every_unit():
     shape, basis, at = Series(), BASES["polynomial"], (0.9, 1.1, 0.7)
     bands = (450.0, 550.0, 650.0)
@@ -230,6 +231,7 @@ def test_every_kind_of_channels_is_the_same_sky_in_every_unit():
         sky.radiance(*at, [700.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "basis"), PAIRS)
 def test_derivatives_are_finite_everywhere(name, basis):
     def total(parameter, sun, view, azimuth):
@@ -269,6 +271,7 @@ def test_night_falls_and_nothing_jumps():
             np.testing.assert_allclose(a, b, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_single_precision_is_kept_and_good(float32):
     views = np.linspace(0, 1.5, 20)
     values = sky_of(distribution_from({"name": "series"}), basis_of_floats()).rgb(0.9, views, 0.3)

@@ -120,6 +120,7 @@ def test_the_sky_at_the_end_of_the_haze_is_the_air_before_an_object(model):
     np.testing.assert_allclose(shallow.rgb(SUN, np.radians(70), 1.0), light, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_vectors_and_angles_agree(model):
     view, azimuth = np.radians([0.0, 30.0, 89.0, 100.0]), np.array([0.0, 1.0, 2.0, -3.0])
     direction = skyfit.angles.unit_vector(jnp.array(view), jnp.array(azimuth))
@@ -144,6 +145,7 @@ def test_values_and_gradients_are_finite_by_day_and_night(model):
     )
 
 
+@pytest.mark.slow
 def test_without_haze_nothing_is_lost_to_it_in_single_precision(float32):
     clear = skyfit.hoffman_preetham_sky(1.0)
     light = clear.rgb(1.0, jnp.linspace(0.0, 1.6, 5), 0.3)

@@ -49,6 +49,7 @@ CORNERS = np.array(
 )
 
 
+@pytest.mark.slow
 @each_sky
 def test_light_is_never_negative_and_its_gradient_is_finite(make):
     sky = make()
@@ -70,6 +71,7 @@ def test_gradients_by_unit_vectors_are_finite():
     assert np.isfinite(jax.jit(jax.vmap(jax.grad(total)))(CORNERS)).all()
 
 
+@pytest.mark.slow
 @each_sky
 def test_unit_vectors_and_angles_give_the_same_light(make):
     sky, rng = make(), np.random.default_rng(3)
@@ -79,6 +81,7 @@ def test_unit_vectors_and_angles_give_the_same_light(make):
     np.testing.assert_allclose(got, xyY_to_xyz(sky.xyY(sun, view, azimuth)), rtol=1e-9)
 
 
+@pytest.mark.slow
 @each_sky
 def test_derivatives_by_sun_and_view_are_those_of_differences(make):
     sky = make()
@@ -89,6 +92,7 @@ def test_derivatives_by_sun_and_view_are_those_of_differences(make):
     np.testing.assert_allclose(slope.T, (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.slow
 @each_sky
 def test_dusk_falls_without_a_step(make):
     suns = np.linspace(HORIZON - 2e-3, HORIZON + 2e-3, 9)
@@ -99,6 +103,7 @@ def test_dusk_falls_without_a_step(make):
     assert (np.diff(night) < 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [SKIES["general"], SKIES["all-weather"]])
 def test_float32_is_within_a_ten_thousandth(make):
     angles = np.random.default_rng(4).uniform(0.05, [1.4, 1.5, 3.0], (10, 3)).T
@@ -127,6 +132,7 @@ def test_spectra_and_rgb_have_the_luminance():
     assert (sky.radiance(0.7, 0.4, 1.0, [450.0, 550.0, 650.0]) > 0).all()
 
 
+@pytest.mark.slow
 def test_parameters_broadcast_against_the_angles():
     turbidity = np.array([2.0, 4.0, 6.0])
     views = np.array([0.1, 0.8])[:, None]

@@ -58,6 +58,7 @@ def test_every_gradient_of_the_sky_is_finite(edge, sun):
     assert np.all(np.isfinite(gradients))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edge", EDGES)
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 def test_gradients_with_respect_to_directions_are_finite(edge, dtype):
@@ -82,6 +83,7 @@ def test_gradients_agree_with_differences_in_general_directions():
         np.testing.assert_allclose(jacobian[:, k], slope, rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_unit_vectors_and_angles_see_the_same_sky():
     rng = np.random.default_rng(0)
     sun, view = rng.uniform(0, 1.5, (20, 1)), rng.uniform(0, 1.7, 30)
@@ -109,6 +111,7 @@ def test_float32_vectors_are_within_1e_5_of_float64():
         np.testing.assert_allclose(got, want, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_directions_have_the_colours_and_gradients_of_each():
     rng = np.random.default_rng(5)
     view = rng.standard_normal((80_000, 3))

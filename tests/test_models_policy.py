@@ -93,6 +93,7 @@ def test_light_fades_at_night(name):
     assert zenith[-1, 2] < 1e-3 * zenith[0, 2]
 
 
+@pytest.mark.slow
 @EACH
 def test_every_gradient_is_finite(name):
     sky = FORMULAS[name]

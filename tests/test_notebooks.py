@@ -48,6 +48,7 @@ def test_only_public_names_of_skyfit_are_used(path):
     assert not re.search(r"from skyfit\.|import skyfit\.|\._\w", code)
 
 
+@pytest.mark.slow
 @every_notebook
 def test_it_runs(path, monkeypatch):
     # The kernel finds this skyfit, whether or not it is installed.

@@ -67,6 +67,7 @@ def test_eta_integrates_to_pi_k_within_one_percent(wavelength):
     np.testing.assert_allclose(integral, np.pi * preetham_air.table2("K", wavelength), rtol=0.01)
 
 
+@pytest.mark.slow
 def test_the_haze_phase_function_is_eta_normalised():
     p = preetham_air.haze_phase([450.0, 550.0])
     at = np.cos(np.radians([4.0, 30.0, 150.0, 180.0]))
@@ -83,6 +84,7 @@ def test_the_haze_phase_function_is_linear_between_wavelengths_and_constant_outs
     np.testing.assert_allclose(ratio, [0.3324 / 0.08242, 0.3324 / 0.08242, between], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_haze_scatters_mostly_forward():
     # Between Rayleigh's 0 and the 0.76 often taken: Bullrich's function has no strong peak.
     mean = preetham_air.haze_phase(550.0).mean_cosine
@@ -207,6 +209,7 @@ def test_haze_thickens_with_turbidity_as_the_derivative_says():
     np.testing.assert_allclose(slopes, air, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_float32_is_within_rounding_of_float64():
     want = preetham_atmosphere(3.0, ozone=True)
     with jax.enable_x64(False):

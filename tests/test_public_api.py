@@ -10,8 +10,10 @@ from types import ModuleType
 import pytest
 
 import skyfit
+from skyfit.dataset import versions
 
 
+README = Path(__file__).parent.parent / "README.md"
 PUBLIC = {
     "AerosolFit",
     "AccuracyWarning",
@@ -102,6 +104,21 @@ def test_every_public_name_is_documented(name):
     assert getattr(skyfit, name).__doc__
 
 
+def test_the_version_is_that_of_the_installed_package():
+    declared = re.search(
+        r'^version = "(.+)"$', (README.parent / "pyproject.toml").read_text(), re.M
+    )
+    assert declared
+    # From a source tree that nobody installed there is none to tell.
+    assert skyfit.__version__ in (declared[1], "unreleased")
+    assert skyfit.__version__ == versions()["skyfit"]
+
+
+def test_type_checkers_of_programs_that_use_it_are_told_of_its_annotations():
+    assert (Path(skyfit.__file__).parent / "py.typed").exists()
+
+
+@pytest.mark.slow
 def test_importing_skyfit_loads_nothing_heavy():
     heavy = "optimistix xarray matplotlib pydantic colour zarr rich"
     code = (
@@ -112,15 +129,14 @@ def test_importing_skyfit_loads_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_importing_skyfit_leaves_the_precision_of_jax_alone():
     code = "import jax, skyfit; skyfit.simulate; print(jax.config.jax_enable_x64)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 
 
-README = Path(__file__).parent.parent / "README.md"
-
-
+@pytest.mark.slow
 def test_the_example_of_the_readme_runs(capsys):
     (code,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
     # The same calls at a fraction of the size: what is shown must run, not take a minute.

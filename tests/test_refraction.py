@@ -1,5 +1,6 @@
 """Refraction: the twin against the refraction of stars, the simulator against the twin."""
 
+from functools import cache
 from pathlib import Path
 
 import bent_twin
@@ -98,6 +99,7 @@ def stored():
     return [tuple(row) for row in rows]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun_deg", [60.0, 85.0, 89.0, 92.0, 96.0])
 def test_first_order_is_the_twins(sun_deg):
     rows = np.array([row for row in stored() if row[0] == sun_deg])
@@ -117,6 +119,7 @@ def test_stored_radiance_is_the_twins():
     np.testing.assert_allclose(got, row[3:], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_refraction_of_nothing_is_no_refraction():
     look = np.radians(93.0), np.radians([0.0, 85.0]), 0.3
     straight = skyfit.simulate(hazy(), *look, orders=1)
@@ -136,6 +139,7 @@ def test_flat_air_does_not_bend():
     np.testing.assert_array_equal(bent.radiance, straight.radiance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("altitude", "orders"), [(0.0, None), (100e3, 1)])
 def test_all_orders_by_day_hardly_feel_refraction(altitude, orders):
     view = np.radians([150.0, 180.0] if altitude else [0.0, 60.0])
@@ -148,6 +152,7 @@ def test_all_orders_by_day_hardly_feel_refraction(altitude, orders):
     assert np.all(sky[0].radiance != sky[1].radiance)
 
 
+@pytest.mark.slow
 def test_second_order_after_sunset_is_brighter_for_refraction():
     look = np.radians(93.0), np.radians([0.0, 60.0]), 0.3
     bent, straight = (
@@ -157,33 +162,35 @@ def test_second_order_after_sunset_is_brighter_for_refraction():
     np.testing.assert_allclose(bent, straight, rtol=0.2)
 
 
+@cache
+def light_and_slope(sun_deg):
+    """Of radiance by refractivity, in one program: its derivative by rule beside itself."""
+
+    def light(n):
+        sun, view = np.radians(sun_deg), np.radians([0.0, 80.0])
+        return skyfit.simulate(hazy(n), sun, view, 0.3, orders=1, quality="draft").radiance
+
+    return light, jax.jit(lambda n: jax.jvp(light, (n,), (jnp.ones_like(n),)))
+
+
 # Draft quality is not smooth in where shells and shadow lie: at 94° differences by other steps are
 # off by as much.
+@pytest.mark.slow
 @pytest.mark.parametrize(("sun_deg", "rtol"), [(40.0, 1e-4), (89.0, 1e-4), (94.0, 1e-3)])
 def test_derivative_by_refractivity_is_the_central_difference(sun_deg, rtol):
-    def light(n):
-        sky = skyfit.simulate(
-            hazy(n), np.radians(sun_deg), np.radians([0.0, 80.0]), 0.3, orders=1, quality="draft"
-        )
-        return jnp.sum(jnp.log(sky.radiance))
-
+    _, both = light_and_slope(sun_deg)
     step = 1e-8
-    at = jnp.array(2.8e-4)
-    _, slope = jax.jvp(light, (at,), (jnp.ones_like(at),))
-    low, high = (float(light(2.8e-4 + d)) for d in (-step, step))
-    np.testing.assert_allclose(slope, (high - low) / (2 * step), rtol=rtol)
+    radiance, slopes = both(jnp.array(2.8e-4))
+    low, high = (float(jnp.sum(jnp.log(both(jnp.array(2.8e-4 + d))[0]))) for d in (-step, step))
+    np.testing.assert_allclose(jnp.sum(slopes / radiance), (high - low) / (2 * step), rtol=rtol)
 
 
+@pytest.mark.slow
 def test_gradient_by_refractivity_is_the_derivative():
-    def light(n):
-        view = np.radians([0.0, 80.0])
-        return jnp.sum(
-            skyfit.simulate(hazy(n), 1.55, view, 0.3, orders=1, quality="draft").radiance
-        )
-
+    light, both = light_and_slope(89.0)
     at = jnp.array(2.8e-4)
-    _, slope = jax.jvp(light, (at,), (jnp.ones_like(at),))
-    np.testing.assert_allclose(jax.grad(light)(at), slope, rtol=1e-9)
+    gradient = jax.grad(lambda n: jnp.sum(light(n)))(at)
+    np.testing.assert_allclose(gradient, jnp.sum(both(at)[1]), rtol=1e-9)
 
 
 def test_air_that_leads_light_round_the_planet_is_refused():

@@ -5,14 +5,16 @@ import warnings
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import rasterio
-from rasterio.transform import Affine
+from peers import peer
 
 from skyfit import cli
 from skyfit.constants import EARTH_RADIUS
 from skyfit.render.elevation import Elevation
 from skyfit.render.elevation_files import load_elevation
 
+
+rasterio = peer("rasterio")
+Affine = peer("rasterio.transform").Affine
 
 UTM17, DEGREES = "EPSG:32617", "EPSG:4326"
 FEET = "EPSG:2264"  # North Carolina

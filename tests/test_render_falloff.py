@@ -89,6 +89,7 @@ def test_beside_the_sun_angles_are_as_told_and_the_sky_is_there(sun):
     assert view.max() <= math.pi / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun", SUNS[1:3], ids=["high", "low"])
 @pytest.mark.parametrize("absorbing", [False, True], ids=["dust", "dust and ozone"])
 def test_the_suns_glare_is_the_simulations(sun, absorbing):
@@ -109,6 +110,7 @@ def test_the_suns_glare_is_the_simulations(sun, absorbing):
     assert found[4] < 0.2 * found[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun", SUNS[:3], ids=lambda sun: f"{math.degrees(sun):.0f}deg")
 def test_glare_of_dust_that_changes_with_the_wavelength_has_the_simulations_colour(sun):
     air = dusty(jnp.array([0.97, 0.95, 0.92]))
@@ -120,6 +122,7 @@ def test_glare_of_dust_that_changes_with_the_wavelength_has_the_simulations_colo
     assert found == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("float32")
 def test_one_order_in_single_precision_leaves_no_noise_to_divide():
     air, sun = dusty(), 0.9
@@ -132,6 +135,7 @@ def test_one_order_in_single_precision_leaves_no_noise_to_divide():
     assert found == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_absorbs_alone_changes_nothing_else():
     """The black pictures of air with ozone: no light was divided by no phase function."""
     sun, unit = 0.9, around(0.9, np.radians([2.0, 20.0, 50.0]), np.radians([0.0, 120.0]))
@@ -178,6 +182,7 @@ def test_what_later_orders_leave_of_a_peak_is_kept(monkeypatch, g, sun):
     assert source.xyz(unit, sun, 0.0) == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zenith_deg", [94.0, 102.0])
 def test_deep_twilight_is_the_simulations(zenith_deg):
     """At last the haze is in the planet's shadow whole, and sends no light of the first order."""

@@ -6,6 +6,7 @@ import struct
 
 import numpy as np
 import pytest
+from peers import peer
 from picture_readers import read_exr, read_hdr
 from PIL import Image
 
@@ -58,9 +59,7 @@ def test_a_float_exr_is_the_picture_in_candela(picture, tmp_path):
 
 
 def test_mitsuba_sees_a_panorama_where_the_documentation_says(tmp_path):
-    import drjit
-    import mitsuba
-
+    drjit, mitsuba = peer("drjit"), peer("mitsuba")
     mitsuba.set_variant("scalar_rgb")
     where = drjit.zeros(mitsuba.SurfaceInteraction3f)
     sky, sun = load_source(None, 3.0), (0.9, 2.4)

@@ -66,6 +66,7 @@ def contents(directory):
     return {file.name: file.read_bytes() for file in directory.iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["day.gif", "day.apng"])
 def test_what_was_interrupted_ends_as_if_it_had_not_been(source, rendered, tmp_path, name):
     whole, path = tmp_path / f"whole-{name}", tmp_path / name

@@ -93,6 +93,7 @@ def test_nights_may_be_black_and_so_may_what_is_no_sky():
     assert render(Even(0.0), down, DAY, sun_disc=False).rgb.max() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scattering", "altitude", "day"),
     [
@@ -150,6 +151,7 @@ def test_what_the_simulator_makes_of_a_sky_is_not_covered_up(monkeypatch, later,
         render(source, CAMERA, DAY, sun_disc=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("light", [math.nan, -1.0, 0.0])
 def test_land_under_impossible_light_makes_no_picture(light):
     camera = Perspective(16, 12, elevation=0.3)

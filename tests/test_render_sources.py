@@ -64,6 +64,7 @@ def between(source):
     return found.reshape(light.shape), light
 
 
+@pytest.mark.slow
 def test_pixels_between_the_grids_directions_are_the_simulations(from_ground):
     found, light = between(from_ground)
     # Measured: 0.32 % at worst on this grid, 0.08 % on the default one.
@@ -82,6 +83,7 @@ def test_beside_the_sun_the_phase_function_keeps_its_cusp(from_ground):
     assert ratio < light[1, 1] / light[0, 1] < 1
 
 
+@pytest.mark.slow
 def test_from_space_pixels_are_the_simulations_too(from_space):
     found, light = between(from_space)
     brightest = light.max(axis=(1, 2), keepdims=True)

@@ -44,6 +44,7 @@ def report(directory):
     return json.loads((directory / "report.json").read_text())
 
 
+@pytest.mark.slow
 def test_the_report_holds_every_number_it_promises(report):
     for channel in ("Y", "x", "y"):
         for letter in "ABCDE":
@@ -60,6 +61,7 @@ def test_the_report_holds_every_number_it_promises(report):
         assert set(claim) == {"id", "claim", "verdict", "figure"}
 
 
+@pytest.mark.slow
 def test_the_published_coefficients_in_the_report_are_the_papers(report):
     # Preetham et al. (1999), appendix A.2: the first and the last row of the matrix of Y.
     luminance = report["coefficients"]["Y"]
@@ -70,15 +72,18 @@ def test_the_published_coefficients_in_the_report_are_the_papers(report):
     assert report["zenith"]["published"]["Y"]["linear"] == [4045.3, -4971.0, -215.5, 2419.2]
 
 
+@pytest.mark.slow
 def test_a_fit_to_the_published_model_recovers_its_coefficients(report):
     assert max(report["recovery_error"].values()) <= 1e-9
 
 
+@pytest.mark.slow
 def test_the_refit_is_nearer_to_the_simulation_than_the_published_model(report):
     for errors in report["shape_error"].values():
         assert errors["refit_vs_simulation"] < errors["published_vs_simulation"]
 
 
+@pytest.mark.slow
 def test_the_page_needs_nothing_but_itself(directory):
     page = (directory / "report.html").read_text()
     links = re.findall(r'(?:src|href)="([^"]{0,40})', page)
@@ -88,6 +93,7 @@ def test_the_page_needs_nothing_but_itself(directory):
     assert "<script" not in page
 
 
+@pytest.mark.slow
 def test_every_picture_is_there_and_on_the_page(directory):
     pictures = sorted((directory / "figures").iterdir())
     assert len(pictures) == 7
@@ -95,6 +101,7 @@ def test_every_picture_is_there_and_on_the_page(directory):
     assert (directory / "report.html").read_text().count("<img") == 7
 
 
+@pytest.mark.slow
 def test_the_skies_and_the_fit_of_a_report_can_be_used_again(directory, report):
     skies = skyfit.load_dataset(directory / "sky.nc")
     fit = skyfit.load_fit(directory / "fit.json")
@@ -103,6 +110,7 @@ def test_the_skies_and_the_fit_of_a_report_can_be_used_again(directory, report):
     assert row["refit"] == fit.coefficients["Y"][1, 0]
 
 
+@pytest.mark.slow
 def test_the_published_zenith_is_brighter_than_the_simulated_one(report):
     # Known from another simulation with the paper's optics: 1.3 at T = 2 under a high sun, more at
     # higher turbidity and under lower suns.
@@ -115,6 +123,7 @@ def test_a_line_through_separate_fits_is_worse_than_fitting_the_line(report):
         assert report["fit"]["two_stage_rms"][channel] > 1.05 * diagnostics["rms"]
 
 
+@pytest.mark.slow
 def test_verdicts_follow_from_the_numbers(report):
     claims = {claim.id: claim for claim in judge(report)}
     assert claims["published_coefficients"].verdict == "does not hold"
@@ -193,6 +202,7 @@ def test_the_clock_counts_compiling_apart():
     assert 0 < clock.seconds["compile"] < 5
 
 
+@pytest.mark.slow
 def test_a_report_is_renewed_and_nothing_else_is(tmp_path):
     claim_directory(tmp_path / "a" / "report")
     claim_directory(tmp_path / "a" / "report")

@@ -37,6 +37,7 @@ def reduced(campaign):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_shipped_campaign_runs_and_fits_and_gives_a_sky(file):
     campaign = reduced(skyfit.load_campaign(file))
@@ -61,6 +62,7 @@ def test_every_campaign_has_its_thumbnail_and_its_place_in_the_readme():
     assert all((SIMS / name).exists() for name in shown)
 
 
+@pytest.mark.slow
 def test_higher_up_the_zenith_is_darker_and_bluer():
     campaign = reduced(skyfit.load_campaign(SIMS / "high_altitude.toml"))
     zenith = skyfit.run_campaign(campaign).isel(direction=0, sun_zenith=1)

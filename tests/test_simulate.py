@@ -59,6 +59,7 @@ def directions(file):
     return sun, view, np.radians(file.relative_azimuth.values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [(0, 0), (0, 1), (1, 1)], ids=["air", "haze", "dark haze"])
 @pytest.mark.parametrize("geometry", ["flat", "spherical"])
 def test_orders_one_and_two_agree_with_converged_quadrature(geometry, case):
@@ -73,6 +74,7 @@ def test_orders_one_and_two_agree_with_converged_quadrature(geometry, case):
     np.testing.assert_allclose(sky.by_order[1][:, 6], second[:, 6], rtol=4e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", ["flat", "spherical"])
 def test_all_orders_agree_with_discrete_ordinates_and_monte_carlo(geometry):
     name = {"flat": "rayleigh_haze_flat", "spherical": "rayleigh_haze_spherical"}[geometry]
@@ -88,6 +90,7 @@ def test_all_orders_agree_with_discrete_ordinates_and_monte_carlo(geometry):
     assert sky.by_order.shape[0] == 2
 
 
+@pytest.mark.slow
 def test_clean_air_over_a_plane_agrees_with_the_exact_first_order():
     file = reference("rayleigh_flat")
     sun, view, azimuth = directions(file)
@@ -102,6 +105,7 @@ def test_clean_air_over_a_plane_agrees_with_the_exact_first_order():
     np.testing.assert_allclose(sky.by_order[1], np.moveaxis(file.I2.values, 0, -1), rtol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", ["planeparallel", "spherical"])
 def test_light_from_a_grey_ground_agrees_with_other_programs(geometry):
     file, coefficients = reference("ground_albedo_0.3"), reference("rayleigh_haze_flat")
@@ -117,6 +121,7 @@ def test_light_from_a_grey_ground_agrees_with_other_programs(geometry):
     np.testing.assert_allclose(sky.radiance[..., 0], want, rtol=rtol)
 
 
+@pytest.mark.slow
 def test_first_order_agrees_with_another_program_for_a_measured_atmosphere():
     file = reference("clear_sky_models_exact_ss")
     air = Constituent(
@@ -152,6 +157,7 @@ ANYWHERE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("degrees", "altitude", "rtol"), ANYWHERE, ids=str)
 def test_first_order_agrees_with_its_slow_twin_anywhere(degrees, altitude, rtol):
     atm = paper_air(0.3)
@@ -171,6 +177,7 @@ def twin_rows():
         yield degrees, float(blue["observer_altitude_m"]), float(blue["ground_albedo"]), orders
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", list(twin_rows()), ids=lambda case: str(case[:2]))
 def test_two_orders_agree_with_the_stored_twin_from_dusk_to_space(case):
     degrees, altitude, albedo, (first, second) = case
@@ -193,6 +200,7 @@ def paper_air(ground_albedo=0.0):
 SUN, VIEW, AZIMUTH = np.radians(50.0), np.radians([0, 40, 80]), np.radians([0, 30, 100])
 
 
+@pytest.mark.slow
 def test_one_program_serves_every_turbidity_and_sun():
     jax.clear_caches()
     traced = 0
@@ -229,6 +237,7 @@ def test_arguments_broadcast_and_the_spectrum_is_last():
     np.testing.assert_allclose(np.swapaxes(swapped.radiance, 0, 1), sky.radiance, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_general_rays_agree_with_those_known_to_rise():
     atm = paper_air()
     known = skyfit.simulate(atm, SUN, VIEW, AZIMUTH, quality="draft")
@@ -238,6 +247,7 @@ def test_general_rays_agree_with_those_known_to_rise():
     np.testing.assert_allclose(general.by_order, known.by_order, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_sky_is_its_own_mirror_image_and_periodic_in_azimuth():
     atm = paper_air()
     args = dict(quality="draft")
@@ -247,6 +257,7 @@ def test_the_sky_is_its_own_mirror_image_and_periodic_in_azimuth():
     np.testing.assert_allclose(turned, sky, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_thin_air_scatters_in_proportion_and_twice_as_its_square():
     def thinned(factor):
         air = Constituent(profile.Exponential(8e3), factor * 1e-5, phase=phase.Rayleigh())
@@ -259,6 +270,7 @@ def test_thin_air_scatters_in_proportion_and_twice_as_its_square():
     np.testing.assert_allclose(ratio[1], 4, rtol=6e-4)
 
 
+@pytest.mark.slow
 def test_light_is_neither_lost_nor_made_in_air_that_does_not_absorb():
     """Downward plus upward irradiance of a flat conservative atmosphere is the sun's."""
     coefficients = np.array([[2e-5], [1.5e-4]])
@@ -286,6 +298,7 @@ def test_light_is_neither_lost_nor_made_in_air_that_does_not_absorb():
     np.testing.assert_allclose(down + reflected + direct, np.cos(sun), rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_paper_geometry_is_flat_near_the_zenith_and_spherical_below():
     atm = paper_air()
     view = np.radians([0.0, 69.0, 71.0])
@@ -297,6 +310,7 @@ def test_paper_geometry_is_flat_near_the_zenith_and_spherical_below():
     np.testing.assert_array_equal(sky["paper"][:, 2], sky["spherical"][:, 2])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("float32")
 def test_single_precision_is_good_to_a_hundred_thousandth():
     with jax.enable_x64(True):

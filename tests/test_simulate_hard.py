@@ -43,6 +43,7 @@ def simulated(case, some, **choices):
 
 # Measured beyond three standard errors of the reference, and how much is allowed: 2 % is promised,
 # by sharp dust only from 8° of the sun on (5.1 % at 2° from it).
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "sun", "rtol"),
     [
@@ -66,6 +67,7 @@ def test_all_orders_of_hard_atmospheres_agree_with_a_monte_carlo(case, sun, rtol
     assert np.all(off <= allowed), off / column(some, "total")
 
 
+@pytest.mark.slow
 def test_thick_smoke_from_above_agrees_with_a_monte_carlo():
     data = np.load(REFERENCE / "hard_atmospheres.npz")
     here = (data["case"] == "smoke3") & (data["sun_zenith_deg"] == 75)
@@ -96,6 +98,7 @@ def layered(bottom=3e3, top=5e3, scale=1.0, parts=1):
 VIEW, AZIMUTH = np.radians([0.0, 45.0, 75.0]), np.radians([0.0, 20.0, 180.0])
 
 
+@pytest.mark.slow
 def test_density_times_coefficient_is_all_that_counts():
     plain = skyfit.simulate(layered(), 1.0, VIEW, AZIMUTH, orders=None).radiance
     scaled = skyfit.simulate(layered(scale=1e-4), 1.0, VIEW, AZIMUTH, orders=None).radiance
@@ -103,6 +106,7 @@ def test_density_times_coefficient_is_all_that_counts():
     np.testing.assert_allclose(scaled, plain, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:simulate. light is scattered in")
 @pytest.mark.parametrize("quality", ["draft", "default"])
 def test_random_atmospheres_are_never_negative(quality):
@@ -119,6 +123,7 @@ def test_random_atmospheres_are_never_negative(quality):
         assert np.all(np.asarray(sky.radiance) >= 0), number
 
 
+@pytest.mark.slow
 def test_the_error_estimate_is_there_on_request_and_of_a_size_with_the_error():
     some = [row for row in rows("preetham 40") if row["sun_zenith_deg"] == 60]
     with pytest.warns(AccuracyWarning, match=r"estimated error is up to .*a higher quality"):
@@ -143,6 +148,7 @@ def test_a_low_top_is_warned_of_after_sunset():
         skyfit.simulate(atm, np.radians(96.0), 0.3, 0.0, orders=1, quality="draft")
 
 
+@pytest.mark.slow
 def test_the_sum_of_all_orders_converges_where_air_is_shallow():
     """From high up suns down to 22° below the horizon count; under shallow air orders grew."""
     parts = [
@@ -158,6 +164,7 @@ def test_the_sum_of_all_orders_converges_where_air_is_shallow():
     assert np.all((sky.radiance > known) & (sky.radiance < known / 0.3))
 
 
+@pytest.mark.slow
 def test_light_darker_than_can_be_told_is_none():
     """Behind 18 optical depths of soot above haze: 1e-11 of the sunlight, at `draft` below 0."""
     knots = 23.3e3 + np.array([0.0, 40.0, 140.0, 180.0])
@@ -176,6 +183,7 @@ def test_light_darker_than_can_be_told_is_none():
     assert np.all(inside(np.radians(60.0)) >= 0)
 
 
+@pytest.mark.slow
 def test_too_thick_air_is_warned_of():
     air = Constituent(profile.Exponential(8e3), 1e-3, phase=phase.HenyeyGreenstein(0.7))
     with pytest.warns(AccuracyWarning, match=r"in 8 optical depths at 550 nm; 10 levels .* 6.6"):

@@ -34,6 +34,7 @@ AIR = Constituent(profile.Exponential(SCALE), 1.2e-5, phase=phase.Rayleigh())
 
 
 # The same medium with other knots, levels and nodes: 0.1 % is promised.
+@pytest.mark.slow
 def test_a_layer_described_as_two_is_the_same():
     whole = sky_of(AIR, smoke(3e3, 5e3))
     by_amount = sky_of(AIR, smoke(3e3, 5e3, 0.3), smoke(3e3, 5e3, 0.7))
@@ -42,6 +43,7 @@ def test_a_layer_described_as_two_is_the_same():
     np.testing.assert_allclose(sky_of(AIR, *parts), whole, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_layer_alone_over_a_plane_may_lie_anywhere():
     low, high = (sky_of(smoke(h, h + 2e3), geometry="flat") for h in (1e3, 30e3))
     # 0.1 % is promised, and kept but at 75° (0.11 %) and at 88° (0.29 %): the layer is thinner than
@@ -50,6 +52,7 @@ def test_a_layer_alone_over_a_plane_may_lie_anywhere():
     np.testing.assert_allclose(high[-2:], low[-2:], rtol=4e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [1.0, 4.0])
 def test_a_white_planet_under_air_that_absorbs_nothing_sends_back_all_light(depth):
     """Sunlight that meets the ball of air = light that leaves it + sunlight that passes by."""
@@ -91,6 +94,7 @@ def test_a_white_planet_under_air_that_absorbs_nothing_sends_back_all_light(dept
     np.testing.assert_allclose(area * leaves + passes, np.pi * area, rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orders", [2, None])
 def test_radiance_is_smooth_in_the_numbers_of_an_atmosphere(orders):
     """No jumps where nodes, panels and levels move: differences of simulations are derivatives."""

@@ -5,8 +5,8 @@ import inspect
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pvlib
 import pytest
+from peers import peer
 
 import skyfit
 from skyfit import sun_irradiance, sun_xyY, sunlight
@@ -65,7 +65,7 @@ def test_mixed_gases_take_a_quarter_of_760_nanometres():
 def standard_spectra():
     """G173-03's direct spectrum at 1 nm, and its mean and the extraterrestrial's around table 2's
     wavelengths; ±5 nm. [W m^-2 nm^-1]"""
-    table = pvlib.spectrum.get_reference_spectra()
+    table = peer("pvlib").spectrum.get_reference_spectra()
     fine = np.arange(380.0, 781.0)
     bands = [
         [table[name].loc[lam - 5 : lam + 5].mean() for lam in PAPER_WAVELENGTHS]

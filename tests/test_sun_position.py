@@ -6,8 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pandas as pd
-import pvlib
 import pytest
+from peers import peer
 
 from skyfit import sun_position
 from skyfit.sun import almanac
@@ -27,6 +27,7 @@ def times_and_places(years, count):
 
 def nrel(latitude, longitude, year, day, clock, zone):
     """Zenith angle and azimuth west of south by the Solar Position Algorithm, in radians."""
+    pvlib = peer("pvlib")
     when = pd.to_datetime([f"{y}-01-01" for y in year], utc=True)
     when = when + pd.to_timedelta(day - 1, unit="D") + pd.to_timedelta(clock - zone, unit="h")
     table = pvlib.solarposition.spa_python(when, latitude, longitude, delta_t=67.0)

@@ -99,6 +99,7 @@ def test_a_clear_sky_gives_the_ground_what_lighting_engineers_have(elevation):
     assert 1.5 < published / clear < 2.5
 
 
+@pytest.mark.slow
 def test_a_spectral_dome_adds_up_to_its_luminance():
     lam = np.arange(380.0, 781.0, 20.0)
     spectral = plane_light(sky_dome(preetham_sky(3.0), 0.9, wavelengths=lam), 0.5, 1.0)
@@ -107,6 +108,7 @@ def test_a_spectral_dome_adds_up_to_its_luminance():
     assert sun_light(3.0, 0.9, lam).shape == lam.shape
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun", [0.3, 0.9, 1.4])
 def test_a_dome_of_the_campaigns_directions_has_the_skys_light(sun):
     view, azimuth = paper_directions()
@@ -132,6 +134,7 @@ def test_samples_come_back_where_they_were_taken_and_planes_in_between():
     np.testing.assert_allclose(dome.light[..., 0][inside], want[inside], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_measured_sky_lights_the_ground_as_its_nearest_samples_do():
     skies = cornell_skies().isel(time=3)
     keep = skies["reliable"].values
@@ -153,6 +156,7 @@ def test_a_measured_sky_lights_the_ground_as_its_nearest_samples_do():
     assert 5e3 < got < 3e4  # clear skies give 5 to 30 klx
 
 
+@pytest.mark.slow
 def test_derivatives_by_turbidity_sun_and_tilt_are_those_of_differences():
     def light(at):
         turbidity, sun, tilt = at
@@ -171,6 +175,7 @@ def test_derivatives_by_turbidity_sun_and_tilt_are_those_of_differences():
         assert np.isfinite(slopes(jnp.asarray(edge))).all()
 
 
+@pytest.mark.slow
 def test_light_is_linear_in_the_samples():
     view, azimuth = paper_directions()
 
@@ -182,6 +187,7 @@ def test_light_is_linear_in_the_samples():
     assert (gradient >= 0).all()
 
 
+@pytest.mark.slow
 def test_float32_is_within_a_ten_thousandth(float32):
     dome = sky_dome(preetham_sky(3.0), 0.9)
     assert dome.light.dtype == jnp.float32
@@ -189,6 +195,7 @@ def test_float32_is_within_a_ten_thousandth(float32):
     np.testing.assert_allclose(got, plain_sum(preetham_sky(3.0), 0.9, 0.6, 0.5), rtol=5e-4)
 
 
+@pytest.mark.slow
 def test_the_example_of_the_readme_runs(capsys):
     readme = (Path(__file__).parent.parent / "README.md").read_text()
     (code,) = re.findall(r"```py\n(from skyfit.surfaces.*?)```", readme, re.DOTALL)

@@ -62,6 +62,7 @@ def test_coefficients_of_a_uniform_sky_by_hand():
     np.testing.assert_allclose(got, want, atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [lambda: preetham_sky(3.0), lambda: cie_general_sky(15)])
 @pytest.mark.parametrize("sun", [0.3, 0.9, 1.4])
 def test_order_two_lights_planes_within_three_percent_of_the_brightest(make, sun):
@@ -76,6 +77,7 @@ def test_order_two_lights_planes_within_three_percent_of_the_brightest(make, sun
     assert np.abs(better - want).max() < 0.006 * want.max()
 
 
+@pytest.mark.slow
 def test_light_comes_back_from_many_coefficients():
     # A sky that fades to nothing at the horizon: cos²θ and its mirror image are smooth enough.
     dome = sky_dome(cie_overcast_sky(), 0.5)
@@ -88,6 +90,7 @@ def test_light_comes_back_from_many_coefficients():
     np.testing.assert_allclose(got, want, atol=2e-3 * float(want.max()))
 
 
+@pytest.mark.slow
 def test_gradients_of_harmonics_are_finite_at_the_zenith_and_the_horizon():
     def total(vector):
         return real_harmonics(vector, 4).sum()
@@ -103,6 +106,7 @@ def test_gradients_of_harmonics_are_finite_at_the_zenith_and_the_horizon():
     np.testing.assert_allclose(jax.jit(jax.grad(first))(0.8), slope, rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cosine", [False, True])
 def test_drawn_directions_have_the_density_and_estimate_the_light(cosine):
     sun, sky = 0.9, preetham_sky(3.0)
@@ -123,6 +127,7 @@ def test_drawn_directions_have_the_density_and_estimate_the_light(cosine):
     assert estimate.std() / estimate.mean() < (0.05 if cosine else 0.9) * deviation
 
 
+@pytest.mark.slow
 def test_the_density_is_one_over_the_hemisphere_and_nothing_below():
     sampler = sky_sampler(sky_dome(preetham_sky(3.0), 0.9), floor=0.1)
     zenith = (np.arange(400) + 0.5) * np.pi / 800
@@ -137,6 +142,7 @@ def test_the_density_is_one_over_the_hemisphere_and_nothing_below():
     np.testing.assert_array_equal(sampler.density(np.array([[0.0, 0.6, -0.8]])), 0)
 
 
+@pytest.mark.slow
 def test_cells_are_drawn_as_often_as_they_should():
     light = jnp.asarray(np.random.default_rng(2).uniform(0.0, 1.0, (4, 8, 1)))
     dome = Dome(light, jnp.asarray(0.5))
@@ -154,6 +160,7 @@ def test_cells_are_drawn_as_often_as_they_should():
     np.testing.assert_allclose(sampler.probability, want / want.sum(), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_drawing_compiles_and_maps_over_keys():
     sampler = sky_sampler(sky_dome(preetham_sky(3.0), 0.9, zeniths=8, azimuths=16))
     keys = jax.random.split(jax.random.key(0), 3)

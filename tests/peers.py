@@ -1,0 +1,15 @@
+"""Other programs that tests compare with or feed: where one is missing, its tests are skipped.
+
+With SKYFIT_NO_SKIPS=1 in the environment, which every check of a change sets, a skipped test has
+failed; see `conftest.py`.
+"""
+
+from types import ModuleType
+
+import pytest
+
+
+def peer(name: str) -> ModuleType:
+    """Import a package of `skyfit[test]`, or skip: the file at its top, a test in its body."""
+    reason = f"{name} cannot be imported: pip install 'skyfit[test]'"
+    return pytest.importorskip(name, reason=reason, exc_type=ImportError)
