@@ -46,19 +46,27 @@ class SunColumns(eqx.Module):
         planet = self.medium.planet
         lit = mu > planet.horizon(altitude)
         towards = jnp.where(lit, mu, 1.0)
-        rising = self._rising(altitude, jnp.abs(towards))
+        shell = self.medium.shell(altitude)
         if self.inverse_airmass is None:
-            return rising, lit
+            return self._rising(shell, altitude, towards), lit
         below = towards < 0
         _, lowest = planet.lowest(altitude, jnp.where(below, towards, 0.0))
-        horizontal = self._rising(lowest, jnp.zeros_like(lowest))
+        # From the point and from the lowest one at once: less to compile.
+        shells, altitudes, cosines = (
+            jnp.stack(jnp.broadcast_arrays(*pair))
+            for pair in (
+                (shell, self.medium.shell(lowest)),
+                (altitude, lowest),
+                (jnp.abs(towards), jnp.zeros_like(lowest)),
+            )
+        )
+        rising, horizontal = self._rising(shells, altitudes, cosines)
         through = jnp.maximum(2 * horizontal - rising, rising)
         return jnp.where(below[..., None], through, rising), lit
 
-    def _rising(self, altitude, mu):
-        """Columns towards zenith cosines of 0 or more."""
+    def _rising(self, shell, altitude, mu):
+        """Columns towards zenith cosines of 0 or more, from altitudes in given shells."""
         medium, planet = self.medium, self.medium.planet
-        shell = medium.shell(altitude)
         low, edge = _at(medium.edges, shell), _at(medium.edges, shell + 1)
         depth = jnp.where(edge > low, edge - low, 1.0)
         above = _at(medium.above, shell + 1)

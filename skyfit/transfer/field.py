@@ -168,19 +168,17 @@ def project(
     mu: Float[Array, " ray"],
     weight: Float[Array, " ray"],
     by_mode: Float[Array, "mode ray sun channel"],
-    degree: int,
+    harmonics: Float[Array, "mode l ray"],
 ) -> tuple[Float[Array, "mode l sun channel"], Float[Array, "sun channel"]]:
     """Moments of the light at one level, and its downward irradiance.
 
     Args:
-        dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions.
         weight: Of each.
         by_mode: Mean over azimuth of cos(mφ) L.
-        degree: Highest of the harmonics.
+        harmonics: In these directions; see `legendre`.
     """
-    polynomials = legendre(degree, by_mode.shape[0] - 1, mu, safe_sqrt(1 - mu**2))
-    moments = jnp.einsum("mlr,mrsw->mlsw", polynomials * weight[None, None, :], by_mode)
+    moments = jnp.einsum("mlr,mrsw->mlsw", harmonics * weight[None, None, :], by_mode)
     downward = weight * jnp.maximum(mu, 0.0)
     return moments, jnp.einsum("r,rsw->sw", downward, by_mode[0])
 
@@ -237,26 +235,35 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         ground = jnp.concatenate([rays, lit_ground])
         ground = jnp.einsum("kn,rnsw->krsw", to_modes, ground)
         light = jnp.zeros((order + 1, *ground.shape[1:]), ground.dtype).at[:nodes].add(ground)
-        sine = safe_sqrt(1 - mu**2)
+        # Towards rays and suns at once: less to compile.
+        seen, lit = jnp.split(
+            legendre(
+                directions.degree,
+                order,
+                jnp.concatenate([mu, beam.up]),
+                jnp.concatenate([safe_sqrt(1 - mu**2), beam.ahead]),
+            ),
+            [mu.size],
+            axis=-1,
+        )
         phases = []
         for harmonics in optics.harmonics:
             degree = harmonics.shape[0] - 1
             modes = min(order, degree)
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
             scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
-            seen = legendre(degree, modes, mu, sine)
-            lit = legendre(degree, modes, beam.up, beam.ahead)
-            source = jnp.einsum("mls,lw->mlsw", lit, scaled)
-            phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
+            there = slice(modes + 1), slice(degree + 1)
+            source = jnp.einsum("mls,lw->mlsw", lit[there], scaled)
+            phases.append(jnp.einsum("mlr,mlsw->mrsw", seen[there], source))
         modes = max(phase.shape[0] for phase in phases)
         for k in range(nodes):
-            lit = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
+            sent = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
             for number, phase in enumerate(phases):
-                lit = lit.at[: phase.shape[0]].add(phase * strength[k, number][None])
-            light = light + _times_cosine(lit, k, order)
+                sent = sent.at[: phase.shape[0]].add(phase * strength[k, number][None])
+            light = light + _times_cosine(sent, k, order)
         halves = np.where(np.arange(order + 1) > 0, 0.5, 1.0)
         by_mode = light * jnp.asarray(halves, mu.dtype)[:, None, None, None]
-        return project(mu, weight, by_mode, directions.degree)
+        return project(mu, weight, by_mode, seen)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

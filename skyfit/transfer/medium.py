@@ -14,6 +14,7 @@ from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Spherical
 from .optics import Optics
+from .quadrature import count_passed, running_sum
 
 
 _SHELLS = 32
@@ -59,10 +60,12 @@ class Medium(eqx.Module):
     coordinate_scale: Scalar
     kink: Float[Array, " edge"]
 
-    def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
-        """Relative densities at one point in every shell, given as a share of its depth."""
-        c0, c1, c2, c3 = (self.cubics[:, power] for power in range(4))
-        share = share[None, :]
+    def density_in_shells(
+        self, share: Float[Array, "look shell"]
+    ) -> Float[Array, "species look shell"]:
+        """Relative densities at points in every shell, given as shares of its depth."""
+        c0, c1, c2, c3 = (self.cubics[:, None, power] for power in range(4))
+        share = share[None]
         return c0 + share * (c1 + share * (c2 + share * c3))
 
     def above_altitude(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b species"]:
@@ -77,9 +80,7 @@ class Medium(eqx.Module):
 
     def shell(self, altitude: Float[Array, "*b"]) -> Int[Array, "*b"]:
         """Which shell altitudes lie in."""
-        edges = self.edges.reshape((1,) * altitude.ndim + (-1,))
-        passed = jnp.sum(altitude[..., None] >= edges, axis=-1)
-        return jnp.clip(passed - 1, 0, self.edges.size - 2)
+        return jnp.clip(count_passed(altitude, self.edges) - 1, 0, self.edges.size - 2)
 
     def level_at(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """The coordinate at altitudes [m]."""
@@ -139,7 +140,7 @@ def make_medium(
     means = jnp.asarray(1 / np.arange(1, 5), edges.dtype)
     column = jnp.maximum(jnp.einsum("p,spk->ks", means, cubics), 0.0) * depth[:, None]
     none = jnp.zeros_like(column[:1])
-    above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
+    above = jnp.concatenate([running_sum(column, backward=True), none])
     telling = _telling(optics.extinction, above[0])
     is_knot = jnp.any(edges[:, None] == atmosphere.knots()[None, :], axis=1)
     kink = jnp.where(is_knot, _kink(cubics, depth, telling), 0.0)
@@ -147,7 +148,7 @@ def make_medium(
     thick = (column @ telling.T).mean(axis=-1) / jnp.where(depth > 0, depth, 1.0)
     filled = thick / (thick + _FAINT * jnp.max(thick) + 1e-30)
     weight = _EMPTY + (1 - _EMPTY) * filled
-    climbed = jnp.cumsum(weight * jnp.diff(_by_altitude(edges / planet.top)))
+    climbed = running_sum(weight * jnp.diff(_by_altitude(edges / planet.top)))
     climbed = jnp.concatenate([jnp.zeros_like(climbed[:1]), climbed])
     climbed = climbed / climbed[-1]
     mixed = _mixed(climbed, above @ telling.T, above[0] @ telling.T)

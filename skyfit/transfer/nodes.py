@@ -4,6 +4,7 @@ A stretch is cut into panels of equal importance; kinks of the density are impor
 """
 
 from collections.abc import Callable
+from functools import reduce
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -13,7 +14,7 @@ from jaxtyping import Array, Float
 from .._typing import Scalar
 from .medium import Medium
 from .paths import Leg, columns_in_shells
-from .quadrature import gauss
+from .quadrature import count_passed, gauss, interpolate, running_sum
 
 
 NODES = 3  # Gauss nodes on each panel
@@ -84,7 +85,7 @@ def crossings(
     """Where a leg crosses the edges of the shells, and the columns from its start to there [m]."""
     at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
     inside = columns_in_shells(medium, leg, at)
-    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), jnp.cumsum(inside, axis=0)])
+    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), running_sum(inside)])
 
 
 def sample(
@@ -165,7 +166,7 @@ def sample(
 def _importance(medium, leg, at, column, even, dimming):
     """Share of what matters between the start of a stretch and each crossing, from 0 to 1."""
     altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
-    level = jnp.interp(altitude, medium.edges, medium.coordinate)
+    level = interpolate(altitude, medium.edges, medium.coordinate)
     depth = column @ medium.telling.T
     depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
     changes = [(medium.filled * jnp.diff(even))[:, None], jnp.diff(level)[:, None]]
@@ -180,7 +181,7 @@ def _importance(medium, leg, at, column, even, dimming):
         light = jnp.exp(-total)
         changes.append(jnp.diff(jnp.exp(-_FADE * total), axis=0))
     sizes = [jnp.mean(jnp.abs(change), axis=1) for change in changes]
-    running = jnp.cumsum(sum(sizes))
+    running = running_sum(reduce(jnp.add, sizes))
     running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
     whole = jnp.where(running[-1] > 0, running[-1], 1.0)
     return running / whole, jnp.mean(light, axis=1)
@@ -201,12 +202,13 @@ def _cuts(medium, leg, at, even, light, importance, panels, kinks):
     strong = bend**2 / (bend**2 + _BEND**2)
     # Those beyond the ends were moved to them, but for rounding.
     strong = strong * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
-    strong = strong * (kinks / jnp.maximum(jnp.sum(strong), max(kinks, 1)))
-    passed = jnp.cumsum(strong)
+    passed = running_sum(strong)
+    room = kinks / jnp.maximum(passed[-1], max(kinks, 1))
+    strong, passed = strong * room, passed * room
     smooth = importance * (count - passed[-1])
     steps = jnp.stack([smooth + passed - strong, smooth + passed], axis=1).ravel()
     inner = jnp.arange(1, count, dtype=even.dtype)
-    inner = jnp.interp(inner, steps, jnp.repeat(even, 2))
+    inner = interpolate(inner, steps, jnp.repeat(even, 2))
     return jnp.pad(inner, 1, constant_values=(0.0, 1.0))
 
 
@@ -227,17 +229,17 @@ def _inside(
         points: Distances outwards [m].
     """
     planet, edges = medium.planet, medium.edges
-    shell = jnp.clip(jnp.sum(points[:, None] >= at[None, :], axis=1) - 1, 0, edges.size - 2)
+    shell = jnp.clip(count_passed(points, at) - 1, 0, edges.size - 2)
     low, bottom = at[shell], edges[shell]
     depth = edges[shell + 1] - bottom
-    c0, c1, c2, c3 = (medium.cubics[:, power][:, shell] for power in range(4))
-
-    def density(distance):
-        altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
-        y = jnp.clip((altitude - bottom) / jnp.where(depth > 0, depth, 1.0), 0.0, 1.0)[None]
-        return jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0).T
-
-    total = jnp.zeros((points.size, medium.cubics.shape[0]), edges.dtype)
-    for x, w in zip(*gauss(3), strict=True):
-        total = total + float(w) * density(low + float(x) * (points - low))
-    return column[shell] + total * (points - low)[:, None], density(points)
+    x, weights = gauss(3)
+    # Between the edge below and the point; and the point itself.
+    looks = jnp.asarray([*x, 1.0], edges.dtype)[:, None]
+    distance = low[None] + looks * (points - low)[None]
+    altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
+    y = (altitude - bottom[None]) / jnp.where(depth > 0, depth, 1.0)[None]
+    y = jnp.clip(y, 0.0, 1.0)[None]
+    c0, c1, c2, c3 = jnp.moveaxis(medium.cubics[:, :, shell], 1, 0)[:, :, None]
+    density = jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0)  # [species, look, point]
+    total = jnp.einsum("l,slp->ps", jnp.asarray(weights, edges.dtype), density[:, :-1])
+    return column[shell] + total * (points - low)[:, None], density[:, -1].T

@@ -21,6 +21,7 @@ from .medium import Medium
 from .nodes import sample
 from .optics import Optics
 from .paths import Kind, Leg, both_legs, rising_leg
+from .quadrature import safe_sqrt
 from .quality import Quality
 from .refraction import apparent
 
@@ -192,7 +193,8 @@ def next_field(medium: Medium, grid: Grid, source: Source, quality: Quality) -> 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
         by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
-        return project(mu, weight, by_mode, quality.higher.degree)
+        seen = legendre(quality.higher.degree, quality.higher.modes, mu, safe_sqrt(1 - mu**2))
+        return project(mu, weight, by_mode, seen)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)
