@@ -64,21 +64,32 @@ class SunColumns(eqx.Module):
         through = jnp.maximum(2 * horizontal - rising, rising)
         return jnp.where(below[..., None], through, rising), lit
 
+    def at_ground(
+        self, mu: Float[Array, "*b"]
+    ) -> tuple[Float[Array, "*b species"], Bool[Array, "*b"]]:
+        """The same on the ground, which is an edge."""
+        ground = jnp.zeros_like(mu)
+        lit = mu > self.medium.planet.horizon(ground)
+        towards = jnp.where(lit, mu, 1.0)
+        above = self.medium.above[0]
+        above = above.reshape((1,) * mu.ndim + above.shape)
+        if self.inverse_airmass is None:
+            return above / jnp.maximum(towards, 1e-9)[..., None], lit
+        row = jnp.zeros(mu.shape, int)
+        return above / self._inverse_airmass(row, jnp.maximum(towards, 0.0)), lit
+
     def _rising(self, shell, altitude, mu):
         """Columns towards zenith cosines of 0 or more, from altitudes in given shells."""
         medium, planet = self.medium, self.medium.planet
-        low, edge = _at(medium.edges, shell), _at(medium.edges, shell + 1)
+        low, edge, above, (c0, c1, c2, c3) = medium.look_up(shell)
         depth = jnp.where(edge > low, edge - low, 1.0)
-        above = _at(medium.above, shell + 1)
         flat = self.inverse_airmass is None
         mu = jnp.maximum(mu, 1e-9) if flat else mu
         distance = jnp.maximum(planet.to_level(altitude, mu, edge), 0.0)
-        cubics = _at(jnp.moveaxis(medium.cubics, -1, 0), shell)  # [..., species, power]
         inside = 0.0
         for x, w in zip(*gauss(_NODES), strict=True):
             here = planet.advance(altitude, mu, float(x) * distance)[0]
             share = jnp.clip((here - low) / depth, 0.0, 1.0)[..., None]
-            c0, c1, c2, c3 = (cubics[..., power] for power in range(4))
             inside = inside + float(w) * (c0 + share * (c1 + share * (c2 + share * c3)))
         inside = jnp.maximum(inside, 0.0) * distance[..., None]
         if self.inverse_airmass is None:

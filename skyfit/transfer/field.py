@@ -62,8 +62,8 @@ class Grid(eqx.Module):
     cos_azimuth: Float[Array, " azimuth"]
 
     def between_levels(
-        self, level: Float[Array, " point"], light: Float[Array, "point channel"]
-    ) -> Float[Array, "level channel"]:
+        self, level: Float[Array, " point"], light: Float[Array, "point species channel"]
+    ) -> Float[Array, "level species channel"]:
         """Share of light from each level, of light from points given by their coordinate."""
         x = jnp.clip(level, self.level[0], self.level[-1])[:, None]
         count = self.level.size
@@ -71,8 +71,8 @@ class Grid(eqx.Module):
         smooth = _lagrange(self.level, x, self.stencils[interval])
         places = jnp.arange(count)[None] - interval[:, None]
         straight = _lagrange(self.level, x, (places == 0) | (places == 1))
-        by_line = light * self.thick[interval]
-        return smooth.T @ (light - by_line) + straight.T @ by_line
+        by_line = light * self.thick[interval][:, None]
+        return jnp.tensordot(smooth.T, light - by_line, 1) + jnp.tensordot(straight.T, by_line, 1)
 
     def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
         """Weights of the suns for a sun at other zenith angles [rad].
@@ -155,7 +155,8 @@ def make_grid(
     # Uneven levels make a cubic swing: there the two neighbours do.
     middle = 0.5 * (level[1:] + level[:-1])
     swings = jnp.sum(jnp.abs(_lagrange(level, middle[:, None], used)), axis=1) > _SWING
-    used = jnp.where(swings[:, None], stencils(jnp.ones(levels, bool)), used)
+    neighbours = np.eye(levels - 1, levels, dtype=bool) | np.eye(levels - 1, levels, 1, dtype=bool)
+    used = jnp.where(swings[:, None], neighbours, used)
     depth = -jnp.diff(medium.above_altitude(altitude) @ medium.optics.extinction, axis=0)
     thick = jnp.clip((depth - _THIN) / (_THICK - _THIN), 0.0, 1.0)
     return Grid(

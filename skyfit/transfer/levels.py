@@ -2,7 +2,8 @@
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from .medium import Medium
 from .quadrature import interpolate
@@ -46,8 +47,7 @@ def place_levels(
     # Those that were moved in the order of altitude, the others evenly between them.
     order = jnp.argsort(jnp.where(taken, fixed, jnp.inf))[jnp.cumsum(taken) - 1]
     fixed, edge_of, kinked = fixed[order], edge_of[order], kinked[order] & taken
-    low = jax.lax.cummax(jnp.where(taken, places, 0))
-    high = jax.lax.cummin(jnp.where(taken, places, count - 1), reverse=True)
+    low, high = _around(taken)
     share = (places - low) / jnp.maximum(high - low, 1)
     level = fixed[low] + share.astype(fixed.dtype) * (fixed[high] - fixed[low])
     altitude = interpolate(level, medium.coordinate, medium.edges)
@@ -55,12 +55,23 @@ def place_levels(
     return altitude, kinked
 
 
+def _around(
+    marked: Bool[Array, " level"],
+) -> tuple[Int[Array, " level"], Int[Array, " level"]]:
+    """The last marked level up to each and the first from each on; both ends are marked."""
+    places = np.arange(marked.size)
+    passed = jnp.asarray(places[None] <= places[:, None])
+    low = jnp.max(jnp.where(marked[None] & passed, places[None], 0), axis=1)
+    high = jnp.min(jnp.where(marked[None] & passed.T, places[None], marked.size - 1), axis=1)
+    return low, high
+
+
 def stencils(kinked: Bool[Array, " level"]) -> Bool[Array, "interval level"]:
     """Which levels interpolate between neighbours: the nearest four on this side of a kink."""
     places = jnp.arange(kinked.size)
     ends = kinked | (places == 0) | (places == kinked.size - 1)
-    low = jax.lax.cummax(jnp.where(ends, places, 0))[:-1]
-    high = jax.lax.cummin(jnp.where(ends, places, kinked.size), reverse=True)[1:]
+    low, high = _around(ends)
+    low, high = low[:-1], high[1:]
     first = jnp.clip(places[:-1] - 1, low, jnp.maximum(low, high - 3))
     last = jnp.minimum(first + 3, high)
     return (places[None] >= first[:, None]) & (places[None] <= last[:, None])

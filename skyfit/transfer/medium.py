@@ -45,6 +45,7 @@ class Medium(eqx.Module):
             that equal steps of it are about equally important.
         coordinate_scale: What it was divided by to end at 1.
         kink: By how much the slope of extinction jumps at each edge [m⁻²].
+        rows: Of each shell its edges, what is above it and its cubics, to be looked up at once.
     """
 
     atmosphere: Atmosphere
@@ -59,6 +60,20 @@ class Medium(eqx.Module):
     coordinate: Float[Array, " edge"]
     coordinate_scale: Scalar
     kink: Float[Array, " edge"]
+    rows: Float[Array, "shell entry"]
+
+    def look_up(
+        self, shell: Int[Array, "*b"]
+    ) -> tuple[
+        Float[Array, "*b"],
+        Float[Array, "*b"],
+        Float[Array, "*b species"],
+        tuple[Float[Array, "*b species"], ...],
+    ]:
+        """Lower and upper edge of shells [m], the column above them [m], and their cubics."""
+        row = self.rows.at[shell].get(mode="promise_in_bounds", wrap_negative_indices=False)
+        above, *cubics = jnp.split(row[..., 2:], 5, axis=-1)
+        return row[..., 0], row[..., 1], above, tuple(cubics)
 
     def density_in_shells(
         self, share: Float[Array, "look shell"]
@@ -70,13 +85,12 @@ class Medium(eqx.Module):
 
     def above_altitude(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b species"]:
         """Vertical columns above altitudes [m at relative density 1]."""
-        shell = self.shell(altitude)
-        low, high = self.edges[shell], self.edges[shell + 1]
+        low, high, above, (c0, c1, c2, c3) = self.look_up(self.shell(altitude))
         depth = jnp.where(high > low, high - low, 1.0)
         x = jnp.clip((altitude - low) / depth, 0.0, 1.0)[..., None]
-        c0, c1, c2, c3 = jnp.moveaxis(self.cubics, (0, 1), (-1, 0))[:, shell]
         below = x * (c0 + x * (c1 / 2 + x * (c2 / 3 + x * c3 / 4)))
-        return jnp.maximum(self.above[shell] - below * depth[..., None], 0.0)
+        whole = jnp.maximum(c0 + c1 / 2 + c2 / 3 + c3 / 4, 0.0)
+        return jnp.maximum(above + (whole - below) * (high - low)[..., None], 0.0)
 
     def shell(self, altitude: Float[Array, "*b"]) -> Int[Array, "*b"]:
         """Which shell altitudes lie in."""
@@ -152,6 +166,8 @@ def make_medium(
     climbed = jnp.concatenate([jnp.zeros_like(climbed[:1]), climbed])
     climbed = climbed / climbed[-1]
     mixed = _mixed(climbed, above @ telling.T, above[0] @ telling.T)
+    by_power = jnp.swapaxes(cubics, 0, 1).reshape(-1, depth.size).T
+    rows = jnp.concatenate([edges[:-1, None], edges[1:, None], above[1:], by_power], axis=1)
     return Medium(
         atmosphere,
         planet,
@@ -165,6 +181,7 @@ def make_medium(
         mixed / mixed[-1],
         mixed[-1],
         kink,
+        rows,
     )
 
 

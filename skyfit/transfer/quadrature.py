@@ -51,10 +51,11 @@ def interpolate(
 ) -> Float[Array, "*batch"]:
     """`jnp.interp` in less to compile: straight lines between nodes that do not fall."""
     left = jnp.clip(count_passed(x, nodes) - 1, 0, nodes.size - 2)
-    low, high = nodes[left], nodes[left + 1]
+    both = jnp.stack([nodes[:-1], nodes[1:], values[:-1], values[1:]], axis=1)[left]
+    low, high, at_low, at_high = (both[..., k] for k in range(4))
     wide = high - low > jnp.finfo(x.dtype).eps * jnp.abs(high)
     share = jnp.where(wide, jnp.clip(x, low, high) - low, 0.0) / jnp.where(wide, high - low, 1.0)
-    return values[left] + share * (values[left + 1] - values[left])
+    return at_low + share * (at_high - at_low)
 
 
 def even_stencil(
@@ -89,13 +90,18 @@ def lagrange_weights(
     column = (1,) * x.ndim + (count,)
     first = jnp.sum(x[..., None] >= nodes.reshape(column), axis=-1) - width // 2
     first = jnp.clip(first, 0, count - width)
-    stencil = [nodes[first + k] for k in range(width)]
-    dense = jnp.zeros((*x.shape, count), x.dtype)
+    stencil = [nodes[first + k] if count > width else nodes[k] for k in range(width)]
+    weights = []
     for k in range(width):
         weight = jnp.ones_like(x)
         for other in range(width):
             if other != k:
                 weight = weight * (x - stencil[other]) / (stencil[k] - stencil[other])
+        weights.append(weight)
+    if count == width:
+        return jnp.stack(weights, axis=-1)
+    dense = jnp.zeros((*x.shape, count), x.dtype)
+    for k, weight in enumerate(weights):
         dense = dense + jnp.where(
             jnp.arange(count).reshape(column) == (first + k)[..., None], weight[..., None], 0.0
         )
