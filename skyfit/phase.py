@@ -294,6 +294,4 @@ def legendre_polynomials(
 
 def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "{degree}+1 wavelength"]:
     """1, g, g², … g^degree; by products, so that the derivative at g = 0 is finite."""
-    first = jnp.ones((1, *g.shape), g.dtype)
-    rest = jnp.broadcast_to(g, (degree, *g.shape))
-    return jnp.concatenate([first, jnp.cumprod(rest, axis=0)])
+    return jax.lax.scan(lambda here, _: (here * g, here), jnp.ones_like(g), length=degree + 1)[1]

@@ -46,31 +46,50 @@ class SunColumns(eqx.Module):
         planet = self.medium.planet
         lit = mu > planet.horizon(altitude)
         towards = jnp.where(lit, mu, 1.0)
-        rising = self._rising(altitude, jnp.abs(towards))
+        shell = self.medium.shell(altitude)
         if self.inverse_airmass is None:
-            return rising, lit
+            return self._rising(shell, altitude, towards), lit
         below = towards < 0
         _, lowest = planet.lowest(altitude, jnp.where(below, towards, 0.0))
-        horizontal = self._rising(lowest, jnp.zeros_like(lowest))
+        # From the point and from the lowest one at once: less to compile.
+        shells, altitudes, cosines = (
+            jnp.stack(jnp.broadcast_arrays(*pair))
+            for pair in (
+                (shell, self.medium.shell(lowest)),
+                (altitude, lowest),
+                (jnp.abs(towards), jnp.zeros_like(lowest)),
+            )
+        )
+        rising, horizontal = self._rising(shells, altitudes, cosines)
         through = jnp.maximum(2 * horizontal - rising, rising)
         return jnp.where(below[..., None], through, rising), lit
 
-    def _rising(self, altitude, mu):
-        """Columns towards zenith cosines of 0 or more."""
+    def at_ground(
+        self, mu: Float[Array, "*b"]
+    ) -> tuple[Float[Array, "*b species"], Bool[Array, "*b"]]:
+        """The same on the ground, which is an edge."""
+        ground = jnp.zeros_like(mu)
+        lit = mu > self.medium.planet.horizon(ground)
+        towards = jnp.where(lit, mu, 1.0)
+        above = self.medium.above[0]
+        above = above.reshape((1,) * mu.ndim + above.shape)
+        if self.inverse_airmass is None:
+            return above / jnp.maximum(towards, 1e-9)[..., None], lit
+        row = jnp.zeros(mu.shape, int)
+        return above / self._inverse_airmass(row, jnp.maximum(towards, 0.0)), lit
+
+    def _rising(self, shell, altitude, mu):
+        """Columns towards zenith cosines of 0 or more, from altitudes in given shells."""
         medium, planet = self.medium, self.medium.planet
-        shell = medium.shell(altitude)
-        low, edge = _at(medium.edges, shell), _at(medium.edges, shell + 1)
+        low, edge, above, (c0, c1, c2, c3) = medium.look_up(shell)
         depth = jnp.where(edge > low, edge - low, 1.0)
-        above = _at(medium.above, shell + 1)
         flat = self.inverse_airmass is None
         mu = jnp.maximum(mu, 1e-9) if flat else mu
         distance = jnp.maximum(planet.to_level(altitude, mu, edge), 0.0)
-        cubics = _at(jnp.moveaxis(medium.cubics, -1, 0), shell)  # [..., species, power]
         inside = 0.0
         for x, w in zip(*gauss(_NODES), strict=True):
             here = planet.advance(altitude, mu, float(x) * distance)[0]
             share = jnp.clip((here - low) / depth, 0.0, 1.0)[..., None]
-            c0, c1, c2, c3 = (cubics[..., power] for power in range(4))
             inside = inside + float(w) * (c0 + share * (c1 + share * (c2 + share * c3)))
         inside = jnp.maximum(inside, 0.0) * distance[..., None]
         if self.inverse_airmass is None:

@@ -62,8 +62,8 @@ class Grid(eqx.Module):
     cos_azimuth: Float[Array, " azimuth"]
 
     def between_levels(
-        self, level: Float[Array, " point"], light: Float[Array, "point channel"]
-    ) -> Float[Array, "level channel"]:
+        self, level: Float[Array, " point"], light: Float[Array, "point species channel"]
+    ) -> Float[Array, "level species channel"]:
         """Share of light from each level, of light from points given by their coordinate."""
         x = jnp.clip(level, self.level[0], self.level[-1])[:, None]
         count = self.level.size
@@ -71,8 +71,8 @@ class Grid(eqx.Module):
         smooth = _lagrange(self.level, x, self.stencils[interval])
         places = jnp.arange(count)[None] - interval[:, None]
         straight = _lagrange(self.level, x, (places == 0) | (places == 1))
-        by_line = light * self.thick[interval]
-        return smooth.T @ (light - by_line) + straight.T @ by_line
+        by_line = light * self.thick[interval][:, None]
+        return jnp.tensordot(smooth.T, light - by_line, 1) + jnp.tensordot(straight.T, by_line, 1)
 
     def between_suns(self, zenith: Float[Array, "*b"]) -> Float[Array, "*b sun"]:
         """Weights of the suns for a sun at other zenith angles [rad].
@@ -155,7 +155,8 @@ def make_grid(
     # Uneven levels make a cubic swing: there the two neighbours do.
     middle = 0.5 * (level[1:] + level[:-1])
     swings = jnp.sum(jnp.abs(_lagrange(level, middle[:, None], used)), axis=1) > _SWING
-    used = jnp.where(swings[:, None], stencils(jnp.ones(levels, bool)), used)
+    neighbours = np.eye(levels - 1, levels, dtype=bool) | np.eye(levels - 1, levels, 1, dtype=bool)
+    used = jnp.where(swings[:, None], neighbours, used)
     depth = -jnp.diff(medium.above_altitude(altitude) @ medium.optics.extinction, axis=0)
     thick = jnp.clip((depth - _THIN) / (_THICK - _THIN), 0.0, 1.0)
     return Grid(
@@ -168,19 +169,17 @@ def project(
     mu: Float[Array, " ray"],
     weight: Float[Array, " ray"],
     by_mode: Float[Array, "mode ray sun channel"],
-    degree: int,
+    harmonics: Float[Array, "mode l ray"],
 ) -> tuple[Float[Array, "mode l sun channel"], Float[Array, "sun channel"]]:
     """Moments of the light at one level, and its downward irradiance.
 
     Args:
-        dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions.
         weight: Of each.
         by_mode: Mean over azimuth of cos(mφ) L.
-        degree: Highest of the harmonics.
+        harmonics: In these directions; see `legendre`.
     """
-    polynomials = legendre(degree, by_mode.shape[0] - 1, mu, safe_sqrt(1 - mu**2))
-    moments = jnp.einsum("mlr,mrsw->mlsw", polynomials * weight[None, None, :], by_mode)
+    moments = jnp.einsum("mlr,mrsw->mlsw", harmonics * weight[None, None, :], by_mode)
     downward = weight * jnp.maximum(mu, 0.0)
     return moments, jnp.einsum("r,rsw->sw", downward, by_mode[0])
 
@@ -237,26 +236,35 @@ def first_field(columns: SunColumns, grid: Grid, quality: Quality) -> Field:
         ground = jnp.concatenate([rays, lit_ground])
         ground = jnp.einsum("kn,rnsw->krsw", to_modes, ground)
         light = jnp.zeros((order + 1, *ground.shape[1:]), ground.dtype).at[:nodes].add(ground)
-        sine = safe_sqrt(1 - mu**2)
+        # Towards rays and suns at once: less to compile.
+        seen, lit = jnp.split(
+            legendre(
+                directions.degree,
+                order,
+                jnp.concatenate([mu, beam.up]),
+                jnp.concatenate([safe_sqrt(1 - mu**2), beam.ahead]),
+            ),
+            [mu.size],
+            axis=-1,
+        )
         phases = []
         for harmonics in optics.harmonics:
             degree = harmonics.shape[0] - 1
             modes = min(order, degree)
             norm = (2 * np.arange(degree + 1) + 1) / (4 * np.pi)
             scaled = harmonics * jnp.asarray(norm, mu.dtype)[:, None]
-            seen = legendre(degree, modes, mu, sine)
-            lit = legendre(degree, modes, beam.up, beam.ahead)
-            source = jnp.einsum("mls,lw->mlsw", lit, scaled)
-            phases.append(jnp.einsum("mlr,mlsw->mrsw", seen, source))
+            there = slice(modes + 1), slice(degree + 1)
+            source = jnp.einsum("mls,lw->mlsw", lit[there], scaled)
+            phases.append(jnp.einsum("mlr,mlsw->mrsw", seen[there], source))
         modes = max(phase.shape[0] for phase in phases)
         for k in range(nodes):
-            lit = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
+            sent = jnp.zeros((modes, *ground.shape[1:]), ground.dtype)
             for number, phase in enumerate(phases):
-                lit = lit.at[: phase.shape[0]].add(phase * strength[k, number][None])
-            light = light + _times_cosine(lit, k, order)
+                sent = sent.at[: phase.shape[0]].add(phase * strength[k, number][None])
+            light = light + _times_cosine(sent, k, order)
         halves = np.where(np.arange(order + 1) > 0, 0.5, 1.0)
         by_mode = light * jnp.asarray(halves, mu.dtype)[:, None, None, None]
-        return project(mu, weight, by_mode, directions.degree)
+        return project(mu, weight, by_mode, seen)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

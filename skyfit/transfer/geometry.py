@@ -182,9 +182,9 @@ class Spherical(AbstractPlanet):
 
     def turn_sun(self, sun, ray, distance):  # noqa: D102
         r = self.radius + ray.altitude
-        new = self.radius + self.advance(ray.altitude, ray.mu, distance)[0]
-        cosine = (r + distance * ray.mu) / new
-        sine = distance * ray.sine / new
+        inverse = 1 / (self.radius + self.advance(ray.altitude, ray.mu, distance)[0])
+        cosine = (r + distance * ray.mu) * inverse
+        sine = distance * ray.sine * inverse
         up = cosine * sun.up + sine * sun.ahead
         ahead = cosine * sun.ahead - sine * sun.up
         return SunDirection(up, ahead, sun.aside + 0 * up)

@@ -21,22 +21,20 @@ def legendre(
     gap = np.maximum(n**2 - m**2, 1)
     a = np.where(n > m, (2 * n - 1) / np.sqrt(gap), 0.0)
     b = np.where(n > m, np.sqrt(np.maximum((n - 1) ** 2 - m**2, 0) / gap), 0.0)
-    k = np.arange(1, order + 1)
+    k = np.arange(1, degree + 2)
     steps = np.where(k > 1, np.sqrt((2 * k - 1) / (2 * k)), 1.0)
     column = (-1,) + (1,) * mu.ndim
-    factors = jnp.asarray(steps, mu.dtype).reshape(column) * sine[None]
-    diagonal = jnp.concatenate([jnp.ones_like(mu)[None], jnp.cumprod(factors, axis=0)])
 
     def step(carry, row):
-        before, here = carry
-        a_l, b_l, start = row
+        before, here, diagonal = carry
+        a_l, b_l, start, growth = row
         mixed = a_l.reshape(column) * mu[None] * here - b_l.reshape(column) * before
-        new = mixed + start.reshape(column) * diagonal
-        return (here, new), new
+        new = mixed + start.reshape(column) * diagonal[None]
+        return (here, new, growth * sine * diagonal), new
 
-    rows = tuple(jnp.asarray(c, mu.dtype) for c in (a, b, n == m))
-    zero = jnp.zeros_like(diagonal)
-    _, values = jax.lax.scan(step, (zero, zero), rows)
+    rows = tuple(jnp.asarray(c, mu.dtype) for c in (a, b, n == m, steps))
+    zero = jnp.zeros((order + 1, *mu.shape), mu.dtype)
+    _, values = jax.lax.scan(step, (zero, zero, jnp.ones_like(mu)), rows)
     return jnp.swapaxes(values, 0, 1)
 
 

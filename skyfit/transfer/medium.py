@@ -14,6 +14,7 @@ from .._typing import Scalar
 from ..atmosphere import Atmosphere
 from .geometry import AbstractPlanet, Spherical
 from .optics import Optics
+from .quadrature import count_passed, running_sum
 
 
 _SHELLS = 32
@@ -44,6 +45,7 @@ class Medium(eqx.Module):
             that equal steps of it are about equally important.
         coordinate_scale: What it was divided by to end at 1.
         kink: By how much the slope of extinction jumps at each edge [m⁻²].
+        rows: Of each shell its edges, what is above it and its cubics, to be looked up at once.
     """
 
     atmosphere: Atmosphere
@@ -58,28 +60,41 @@ class Medium(eqx.Module):
     coordinate: Float[Array, " edge"]
     coordinate_scale: Scalar
     kink: Float[Array, " edge"]
+    rows: Float[Array, "shell entry"]
 
-    def density_in_shells(self, share: Float[Array, " shell"]) -> Float[Array, "species shell"]:
-        """Relative densities at one point in every shell, given as a share of its depth."""
-        c0, c1, c2, c3 = (self.cubics[:, power] for power in range(4))
-        share = share[None, :]
+    def look_up(
+        self, shell: Int[Array, "*b"]
+    ) -> tuple[
+        Float[Array, "*b"],
+        Float[Array, "*b"],
+        Float[Array, "*b species"],
+        tuple[Float[Array, "*b species"], ...],
+    ]:
+        """Lower and upper edge of shells [m], the column above them [m], and their cubics."""
+        row = self.rows.at[shell].get(mode="promise_in_bounds", wrap_negative_indices=False)
+        above, *cubics = jnp.split(row[..., 2:], 5, axis=-1)
+        return row[..., 0], row[..., 1], above, tuple(cubics)
+
+    def density_in_shells(
+        self, share: Float[Array, "look shell"]
+    ) -> Float[Array, "species look shell"]:
+        """Relative densities at points in every shell, given as shares of its depth."""
+        c0, c1, c2, c3 = (self.cubics[:, None, power] for power in range(4))
+        share = share[None]
         return c0 + share * (c1 + share * (c2 + share * c3))
 
     def above_altitude(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b species"]:
         """Vertical columns above altitudes [m at relative density 1]."""
-        shell = self.shell(altitude)
-        low, high = self.edges[shell], self.edges[shell + 1]
+        low, high, above, (c0, c1, c2, c3) = self.look_up(self.shell(altitude))
         depth = jnp.where(high > low, high - low, 1.0)
         x = jnp.clip((altitude - low) / depth, 0.0, 1.0)[..., None]
-        c0, c1, c2, c3 = jnp.moveaxis(self.cubics, (0, 1), (-1, 0))[:, shell]
         below = x * (c0 + x * (c1 / 2 + x * (c2 / 3 + x * c3 / 4)))
-        return jnp.maximum(self.above[shell] - below * depth[..., None], 0.0)
+        whole = jnp.maximum(c0 + c1 / 2 + c2 / 3 + c3 / 4, 0.0)
+        return jnp.maximum(above + (whole - below) * (high - low)[..., None], 0.0)
 
     def shell(self, altitude: Float[Array, "*b"]) -> Int[Array, "*b"]:
         """Which shell altitudes lie in."""
-        edges = self.edges.reshape((1,) * altitude.ndim + (-1,))
-        passed = jnp.sum(altitude[..., None] >= edges, axis=-1)
-        return jnp.clip(passed - 1, 0, self.edges.size - 2)
+        return jnp.clip(count_passed(altitude, self.edges) - 1, 0, self.edges.size - 2)
 
     def level_at(self, altitude: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """The coordinate at altitudes [m]."""
@@ -139,7 +154,7 @@ def make_medium(
     means = jnp.asarray(1 / np.arange(1, 5), edges.dtype)
     column = jnp.maximum(jnp.einsum("p,spk->ks", means, cubics), 0.0) * depth[:, None]
     none = jnp.zeros_like(column[:1])
-    above = jnp.concatenate([jnp.cumsum(column[::-1], axis=0)[::-1], none])
+    above = jnp.concatenate([running_sum(column, backward=True), none])
     telling = _telling(optics.extinction, above[0])
     is_knot = jnp.any(edges[:, None] == atmosphere.knots()[None, :], axis=1)
     kink = jnp.where(is_knot, _kink(cubics, depth, telling), 0.0)
@@ -147,10 +162,12 @@ def make_medium(
     thick = (column @ telling.T).mean(axis=-1) / jnp.where(depth > 0, depth, 1.0)
     filled = thick / (thick + _FAINT * jnp.max(thick) + 1e-30)
     weight = _EMPTY + (1 - _EMPTY) * filled
-    climbed = jnp.cumsum(weight * jnp.diff(_by_altitude(edges / planet.top)))
+    climbed = running_sum(weight * jnp.diff(_by_altitude(edges / planet.top)))
     climbed = jnp.concatenate([jnp.zeros_like(climbed[:1]), climbed])
     climbed = climbed / climbed[-1]
     mixed = _mixed(climbed, above @ telling.T, above[0] @ telling.T)
+    by_power = jnp.swapaxes(cubics, 0, 1).reshape(-1, depth.size).T
+    rows = jnp.concatenate([edges[:-1, None], edges[1:, None], above[1:], by_power], axis=1)
     return Medium(
         atmosphere,
         planet,
@@ -164,6 +181,7 @@ def make_medium(
         mixed / mixed[-1],
         mixed[-1],
         kink,
+        rows,
     )
 
 

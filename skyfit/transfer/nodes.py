@@ -6,15 +6,19 @@ A stretch is cut into panels of equal importance; kinks of the density are impor
 from collections.abc import Callable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
+from .geometry import Ray
 from .medium import Medium
-from .paths import Leg, columns_in_shells
-from .quadrature import gauss
+from .paths import Kind, Leg, both_legs, columns_in_shells, rising_leg
+from .quadrature import count_passed, gauss, interpolate, running_sum
 
+
+Dimming = Callable[[Float[Array, " edge"], Float[Array, " edge"]], Array]
 
 NODES = 3  # Gauss nodes on each panel
 _THIN = 0.01  # optical depth of a panel
@@ -78,13 +82,64 @@ class Path(eqx.Module):
         return offset[None, :] + nearer
 
 
+class Sight(eqx.Module):
+    """A line of sight: its legs side by side, a rising ray's one or any ray's two, and their nodes.
+
+    Attributes:
+        leg: The legs.
+        start: Where each begins to matter, from its lowest point [m].
+        offset: Column between the eye and its nearer end [m].
+        to_ground: Column between the eye and the ground, where a leg ends there [m].
+        strikes: Whether it does.
+        path: Nodes on each.
+    """
+
+    leg: Leg
+    start: Float[Array, " leg"]
+    offset: Float[Array, "leg species"]
+    to_ground: Float[Array, "leg species"]
+    strikes: Bool[Array, " leg"]
+    path: Path
+
+
+def look_along(
+    medium: Medium, ray: Ray, kind: Kind, panels: int, kinks: int, dimming: Dimming | None
+) -> Sight:
+    """Cut one line of sight into legs and put nodes on them.
+
+    Args:
+        medium: What the ray crosses.
+        ray: From inside the atmosphere.
+        kind: "rising" saves the legs of falling rays.
+        panels: Of nodes on each leg.
+        kinks: So many are ends of panels besides.
+        dimming: See `sample`.
+    """
+    farthest = medium.sight()
+    none = jnp.zeros_like(medium.optics.extinction[:, 0])
+    if kind == "rising":
+        one = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
+        leg = jax.tree.map(lambda a: a[None], one)
+        start, offset, column = jnp.zeros_like(leg.length), none[None], none[None]
+        strikes = jnp.zeros(1, bool)
+    else:
+        leg, start, before, ends = both_legs(medium, ray, farthest)
+        offset, column = jnp.stack([none, before]), jnp.stack([before, none])
+        strikes = jnp.stack([ends, jnp.zeros_like(ends)])
+
+    def nodes(leg, start):
+        return sample(medium, leg, start, leg.length, panels, kinks, dimming)
+
+    return Sight(leg, start, offset, column, strikes, jax.vmap(nodes)(leg, start))
+
+
 def crossings(
     medium: Medium, leg: Leg, start: Scalar, end: Scalar
 ) -> tuple[Float[Array, " edge"], Float[Array, "edge species"]]:
     """Where a leg crosses the edges of the shells, and the columns from its start to there [m]."""
     at = jnp.clip(medium.planet.to_level(leg.altitude, leg.mu, medium.edges), start, end)
     inside = columns_in_shells(medium, leg, at)
-    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), jnp.cumsum(inside, axis=0)])
+    return at, jnp.concatenate([jnp.zeros_like(inside[:1]), running_sum(inside)])
 
 
 def sample(
@@ -94,7 +149,7 @@ def sample(
     end: Scalar,
     panels: int,
     kinks: int,
-    dimming: Callable[[Float[Array, " edge"], Float[Array, " edge"]], Array] | None = None,
+    dimming: Dimming | None = None,
 ) -> Path:
     """Put nodes on a stretch of a leg, between two distances from its lowest point [m].
 
@@ -122,18 +177,23 @@ def sample(
     half = float(np.tanh(0.5 * steepness))
     rises = leg.sign > 0
 
+    # An exponential on rising legs, on falling ones a tanh: written as one function of one
+    # exponential, it is compiled once.
     def place(x):
         """Distance outwards and its slope at x in [0, 1]."""
-        bend = jnp.tanh(steepness * (x - 0.5))
-        share = jnp.where(rises, jnp.expm1(steepness * x) / _THINNING, 0.5 * (1 + bend / half))
-        slope = jnp.where(rises, jnp.exp(steepness * x) / _THINNING, 0.5 * (1 - bend**2) / half)
+        grown = jnp.expm1(steepness * jnp.where(rises, x, 2 * x - 1))
+        per = 1 / jnp.where(rises, _THINNING, grown + 2)
+        bend = grown * per
+        share = jnp.where(rises, bend, 0.5 + 0.5 / half * bend)
+        slope = (grown + 1) * per * jnp.where(rises, 1.0, 2 / half * per)
         return start + span * share, span * steepness * slope
 
     def undo(outwards):
         share = jnp.clip((outwards - start) / safe_span, 0.0, 1.0)
-        rising = jnp.log1p(share * _THINNING) / steepness
-        falling = 0.5 + jnp.arctanh((2 * share - 1) * half) / steepness
-        return jnp.where(rises, rising, falling)
+        bend = (2 * share - 1) * half
+        grown = jnp.where(rises, share * _THINNING, 2 * bend / (1 - bend))
+        long = jnp.log1p(grown) / steepness
+        return jnp.where(rises, long, 0.5 + 0.5 * long)
 
     at, column = crossings(medium, leg, start, end)
     even = undo(at)
@@ -142,9 +202,9 @@ def sample(
     gauss_nodes, gauss_weights = (jnp.asarray(g, even.dtype) for g in gauss(NODES))
     width = jnp.diff(cuts)[:, None]
     x = (cuts[:-1, None] + width * gauss_nodes[None]).ravel()
-    outwards, slope = place(x)
-    ends, _ = place(cuts)
-    columns, densities = _inside(medium, leg, at, column, jnp.concatenate([ends, outwards]))
+    points, slopes = place(jnp.concatenate([cuts, x]))
+    outwards, slope = points[cuts.size :], slopes[cuts.size :]
+    columns, densities = _inside(medium, leg, at, column, points)
     whole = jnp.maximum(jnp.diff(columns[: cuts.size], axis=0), 0.0)
     shares = (width * gauss_weights[None]).ravel() * slope
     weight = shares[:, None] * densities[cuts.size :]
@@ -165,25 +225,26 @@ def sample(
 def _importance(medium, leg, at, column, even, dimming):
     """Share of what matters between the start of a stretch and each crossing, from 0 to 1."""
     altitude = medium.planet.advance(leg.altitude, leg.mu, at)[0]
-    level = jnp.interp(altitude, medium.edges, medium.coordinate)
+    level = interpolate(altitude, medium.edges, medium.coordinate)
     depth = column @ medium.telling.T
     depth = jnp.where(leg.sign > 0, depth, depth[-1:] - depth)
-    changes = [(medium.filled * jnp.diff(even))[:, None], jnp.diff(level)[:, None]]
-    light = jnp.exp(-depth)
-    changes.append(jnp.diff(jnp.exp(-_FADE * depth), axis=0))
+    total = depth
     if dimming is not None:
         # Clearly above each edge: rounding may not choose the shell from which columns are taken.
         clear = float(jnp.finfo(altitude.dtype).eps) ** 0.75 * medium.planet.top
         total = depth[:, None] + dimming(altitude + clear, leg.from_eye(at))
         total = total.reshape(at.size, -1)
         total = total - jnp.min(total, axis=0, keepdims=True)
-        light = jnp.exp(-total)
-        changes.append(jnp.diff(jnp.exp(-_FADE * total), axis=0))
-    sizes = [jnp.mean(jnp.abs(change), axis=1) for change in changes]
-    running = jnp.cumsum(sum(sizes))
+        depth = jnp.concatenate([depth, total], axis=1)
+    few = medium.telling.shape[0]
+    counts = np.repeat([few, total.shape[1]], [few, depth.shape[1] - few])
+    changes = jnp.abs(jnp.diff(jnp.exp(-_FADE * depth), axis=0))
+    size = changes @ jnp.asarray(1 / counts, depth.dtype)
+    size = size + medium.filled * jnp.abs(jnp.diff(even)) + jnp.abs(jnp.diff(level))
+    running = running_sum(size)
     running = jnp.concatenate([jnp.zeros_like(running[:1]), running])
     whole = jnp.where(running[-1] > 0, running[-1], 1.0)
-    return running / whole, jnp.mean(light, axis=1)
+    return running / whole, jnp.mean(jnp.exp(-total), axis=1)
 
 
 def _cuts(medium, leg, at, even, light, importance, panels, kinks):
@@ -201,12 +262,13 @@ def _cuts(medium, leg, at, even, light, importance, panels, kinks):
     strong = bend**2 / (bend**2 + _BEND**2)
     # Those beyond the ends were moved to them, but for rounding.
     strong = strong * jnp.clip(jnp.minimum(even, 1 - even) / _NEAR_END, 0.0, 1.0)
-    strong = strong * (kinks / jnp.maximum(jnp.sum(strong), max(kinks, 1)))
-    passed = jnp.cumsum(strong)
+    passed = running_sum(strong)
+    room = kinks / jnp.maximum(passed[-1], max(kinks, 1))
+    strong, passed = strong * room, passed * room
     smooth = importance * (count - passed[-1])
     steps = jnp.stack([smooth + passed - strong, smooth + passed], axis=1).ravel()
     inner = jnp.arange(1, count, dtype=even.dtype)
-    inner = jnp.interp(inner, steps, jnp.repeat(even, 2))
+    inner = interpolate(inner, steps, jnp.repeat(even, 2))
     return jnp.pad(inner, 1, constant_values=(0.0, 1.0))
 
 
@@ -227,17 +289,19 @@ def _inside(
         points: Distances outwards [m].
     """
     planet, edges = medium.planet, medium.edges
-    shell = jnp.clip(jnp.sum(points[:, None] >= at[None, :], axis=1) - 1, 0, edges.size - 2)
-    low, bottom = at[shell], edges[shell]
-    depth = edges[shell + 1] - bottom
-    c0, c1, c2, c3 = (medium.cubics[:, power][:, shell] for power in range(4))
-
-    def density(distance):
-        altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
-        y = jnp.clip((altitude - bottom) / jnp.where(depth > 0, depth, 1.0), 0.0, 1.0)[None]
-        return jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0).T
-
-    total = jnp.zeros((points.size, medium.cubics.shape[0]), edges.dtype)
-    for x, w in zip(*gauss(3), strict=True):
-        total = total + float(w) * density(low + float(x) * (points - low))
-    return column[shell] + total * (points - low)[:, None], density(points)
+    shell = jnp.clip(count_passed(points, at) - 1, 0, edges.size - 2)
+    below = jnp.concatenate([at[:, None], column], axis=1)[shell]
+    low, below = below[:, 0], below[:, 1:]
+    bottom, top, _, cubics = medium.look_up(shell)
+    depth = top - bottom
+    x, weights = gauss(3)
+    # Between the edge below and the point; and the point itself.
+    looks = jnp.asarray([*x, 1.0], edges.dtype)[:, None]
+    distance = low[None] + looks * (points - low)[None]
+    altitude = planet.advance(leg.altitude, leg.mu, distance)[0]
+    y = (altitude - bottom[None]) / jnp.where(depth > 0, depth, 1.0)[None]
+    y = jnp.clip(y, 0.0, 1.0)[None]
+    c0, c1, c2, c3 = (c.T[:, None] for c in cubics)
+    density = jnp.maximum(c0 + y * (c1 + y * (c2 + y * c3)), 0.0)  # [species, look, point]
+    total = jnp.einsum("l,slp->ps", jnp.asarray(weights, edges.dtype), density[:, :-1])
+    return below + total * (points - low)[:, None], density[:, -1].T

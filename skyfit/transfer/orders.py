@@ -11,16 +11,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .._typing import Scalar
 from .columns import SunColumns
 from .fan import make_fan
 from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
-from .nodes import sample
+from .nodes import Path, Sight, sample
 from .optics import Optics
-from .paths import Kind, Leg, both_legs, rising_leg
+from .paths import Leg
+from .quadrature import safe_sqrt
 from .quality import Quality
 from .refraction import apparent
 
@@ -80,13 +80,11 @@ def send(
     source: Source,
     ray: Ray,
     leg: Leg,
-    start: Scalar,
+    path: Path,
     offset: Float[Array, " species"],
     to_ground: Float[Array, " species"],
     strikes: Bool[Array, ""],
     sun: SunDirection,
-    panels: int,
-    kinks: int,
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one leg of a ray, under one or many suns.
 
@@ -96,20 +94,17 @@ def send(
         source: See `scatter`.
         ray: The line of sight, from inside the atmosphere.
         leg: One of its legs.
-        start: Where the leg begins to matter, from its lowest point [m].
+        path: Nodes on it.
         offset: Column between the eye and the leg's nearer end [m].
         to_ground: Column between the eye and the ground [m].
         strikes: Whether the leg ends at the ground, which then shines through.
         sun: As seen from the eye, in the frame of the ray; any shape.
-        panels: Of nodes on the leg.
-        kinks: So many are ends of panels besides.
 
     Returns:
         Per unit of solar irradiance [sr⁻¹], in the shape of `sun`.
     """
     extinction = medium.optics.extinction
     order, degree = (max(part.shape[k] for part in source.scattered) - 1 for k in (1, 2))
-    path = sample(medium, leg, start, leg.length, panels, kinks)
     arriving = path.arriving(leg, offset, extinction)
     level = medium.level_at(path.altitude)
     crossing = leg.sign * medium.planet.mu_at_level(leg.altitude, leg.mu, grid.altitude)
@@ -117,11 +112,11 @@ def send(
     harmonics = legendre(degree, order, crossing, sine)
     levels, suns, wavelengths = crossing.size, *source.ground.shape
     sent = jnp.zeros((levels, order + 1, suns, wavelengths), arriving.dtype)
+    weights = grid.between_levels(level, path.weight[:, :, None] * arriving[:, None])
     for number, part in enumerate(source.scattered):
-        weight = grid.between_levels(level, path.weight[:, number, None] * arriving)
         modes, degrees = part.shape[1:3]
         here = jnp.einsum("mlk,kmlsw->kmsw", harmonics[:modes, :degrees], part)
-        sent = sent.at[:, :modes].add(weight[:, None, None, :] * here)
+        sent = sent.at[:, :modes].add(weights[:, number, None, None, :] * here)
     through = jnp.where(strikes, jnp.exp(-to_ground @ extinction), 0.0)
     sent = sent.at[0, 0].add(through[None, :] * source.ground)
     turn = medium.planet.turn_sun
@@ -135,39 +130,15 @@ def send(
 
 
 def gather(
-    medium: Medium,
-    grid: Grid,
-    source: Source,
-    ray: Ray,
-    sun: SunDirection,
-    *,
-    kind: Kind,
-    panels: int,
-    kinks: int,
+    medium: Medium, grid: Grid, source: Source, ray: Ray, sun: SunDirection, sight: Sight
 ) -> Float[Array, "*out wavelength"]:
     """Light that a source sends along one line of sight; arguments as for `send`."""
-    farthest = medium.sight()
-    none = jnp.zeros_like(medium.optics.extinction[:, 0])
 
-    def sent_along(leg, start, offset, to_ground, strikes):
-        return send(
-            medium, grid, source, ray, leg, start, offset, to_ground, strikes, sun,
-            panels, kinks,
-        )  # fmt: skip
+    def along(leg, path, offset, to_ground, strikes):
+        return send(medium, grid, source, ray, leg, path, offset, to_ground, strikes, sun)
 
-    missed = jnp.asarray(False)
-    if kind == "rising":
-        leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
-        return sent_along(leg, jnp.zeros_like(leg.length), none, none, missed)
-    both, start, column, strikes = both_legs(medium, ray, farthest)
-    light = jax.vmap(sent_along)(
-        both,
-        start,
-        jnp.stack([none, column]),
-        jnp.stack([column, none]),
-        jnp.stack([strikes, missed]),
-    )
-    return jnp.sum(light, axis=0)
+    legs = sight.leg, sight.path, sight.offset, sight.to_ground, sight.strikes
+    return jnp.sum(jax.vmap(along)(*legs), axis=0)
 
 
 def next_field(medium: Medium, grid: Grid, source: Source, quality: Quality) -> Field:
@@ -184,15 +155,14 @@ def next_field(medium: Medium, grid: Grid, source: Source, quality: Quality) -> 
         strikes = jnp.arange(others + falls) >= others
 
         def along(ray, leg, start, offset, column, strikes):
-            return send(
-                medium, grid, source, ray, leg, start, offset, column, strikes, suns,
-                quality.field_panels, quality.field_kinks,
-            )  # fmt: skip
+            path = sample(medium, leg, start, leg.length, quality.field_panels, quality.field_kinks)
+            return send(medium, grid, source, ray, leg, path, offset, column, strikes, suns)
 
         light = jax.vmap(along)(fan.ray, fan.leg, fan.start, fan.offset, to_ground, strikes)
         light = fan.collect(light, jnp.zeros_like(light[:falls]))
         by_mode = jnp.einsum("ma,rasw->mrsw", modes, light)
-        return project(mu, weight, by_mode, quality.higher.degree)
+        seen = legendre(quality.higher.degree, quality.higher.modes, mu, safe_sqrt(1 - mu**2))
+        return project(mu, weight, by_mode, seen)
 
     levels = grid.altitude, grid.mu, grid.weight
     moments, irradiance = jax.lax.map(jax.checkpoint(at_level), levels)

@@ -122,14 +122,12 @@ def columns_in_shells(
     planet, edges = medium.planet, medium.edges
     depth = jnp.diff(edges)
     low, width = at[:-1], jnp.diff(at)
-    total = jnp.zeros(medium.cubics.shape[::2], edges.dtype)
-    # Node by node and shells last: long vectors, where [shell, node, species] would be short ones.
-    for x, w in zip(*gauss(3), strict=True):
-        altitude = planet.advance(leg.altitude, leg.mu, low + float(x) * width)[0]
-        share = (altitude - edges[:-1]) / jnp.where(depth > 0, depth, 1.0)
-        # Rounding may lead a little out of a shell.
-        density = medium.density_in_shells(jnp.clip(share, 0.0, 1.0))
-        total = total + float(w) * width[None, :] * density
+    x, weights = (jnp.asarray(a, edges.dtype)[:, None] for a in gauss(3))
+    altitude = planet.advance(leg.altitude, leg.mu, low[None] + x * width[None])[0]
+    share = (altitude - edges[None, :-1]) / jnp.where(depth > 0, depth, 1.0)[None]
+    # Rounding may lead a little out of a shell. Shells last: long vectors.
+    density = medium.density_in_shells(jnp.clip(share, 0.0, 1.0))
+    total = jnp.sum(weights[None] * density, axis=1) * width[None]
     return jnp.maximum(total, 0.0).T
 
 

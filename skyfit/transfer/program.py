@@ -16,12 +16,13 @@ from .compiling import compile_quickly
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
+from .nodes import Sight, look_along
 from .optics import Optics
 from .orders import gather, next_field, scatter, straight_beam
 from .paths import Kind
 from .quality import ALL_SUNS_DEG, LOW_SUN_OFFSETS_DEG, TWILIGHT_OFFSETS_DEG, Quality
 from .refraction import Refracting, cos_at_start, straightened
-from .single import first_order
+from .single import dimming, first_order
 from .solve import sum_of_orders
 from .views import Views
 
@@ -61,7 +62,7 @@ def orders_under_suns(
 
     def under_one_sun(view: Views):
         eyes = _eyes(planet, view, kind)
-        first, again = _first(medium, columns, view, eyes, quality, kind, split)
+        first, again, sights = _first(medium, columns, view, eyes, quality, kind, split)
         if count == 1:
             return first[None], first[None]
         nodes = _suns(view.sun, suns, flat, quality)
@@ -69,20 +70,10 @@ def orders_under_suns(
         field = first_field(columns, grid, quality)
 
         def look(source):
-            def along(ray, sun, meets):
-                light = gather(
-                    medium,
-                    grid,
-                    source,
-                    ray,
-                    sun,
-                    kind=kind,
-                    panels=quality.view_panels,
-                    kinks=quality.view_kinks,
-                )
-                return jnp.where(meets, light, 0.0)
+            def along(ray, sun, meets, sight):
+                return jnp.where(meets, gather(medium, grid, source, ray, sun, sight), 0.0)
 
-            return jax.vmap(along)(*eyes)
+            return jax.vmap(along)(*eyes, sights)
 
         if count is None:
             scaled = eqx.tree_at(lambda m: m.optics, medium, rough)
@@ -157,28 +148,30 @@ def _first(
     quality: Quality,
     kind: Kind,
     split: bool,
-) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"]]:
-    """The first order along every line of sight; and of the second what went straight on once."""
+) -> tuple[Float[Array, "ray out channel"], Float[Array, "ray out channel"], Sight]:
+    """The first order along every line of sight; and of the second what went straight on once.
+
+    And the lines of sight: where nothing is in the shadow, their nodes are where the first order
+    needs them, which later orders are content with.
+    """
     if isinstance(medium.planet, Refracting):
         cos_gamma = jax.vmap(partial(cos_at_start, medium.planet))(*eyes[:2])
     else:
         cos_gamma = cos_view_sun_angle(view.view[:, None], view.sun, view.azimuth)
     optics, width = medium.optics, medium.atmosphere.wavelengths.size
 
-    def along(ray, suns, meets):
-        found = first_order(
-            medium,
-            columns,
-            ray,
-            suns,
-            kind=kind,
-            panels=quality.view_panels,
-            kinks=quality.view_kinks,
-            split=split,
-        )
-        return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found)
+    panels, kinks = quality.view_panels, quality.view_kinks
 
-    strength, light = jax.vmap(along)(*eyes)
+    def along(ray, suns, meets):
+        middle = jax.tree.map(lambda a: jnp.mean(a)[None], suns)
+        shade = None if split else dimming(columns, ray, middle)
+        sight = look_along(medium, ray, kind, panels, kinks, shade)
+        found = first_order(
+            medium, columns, ray, suns, sight, panels=panels, kinks=kinks, split=split
+        )
+        return jax.tree.map(lambda a: jnp.where(meets, a, 0.0), found), sight
+
+    (strength, light), sights = jax.vmap(along)(*eyes)
     first, again = light[:, :, 0], light[:, :, 1]
     for number, one in enumerate(medium.atmosphere.constituents):
         phase = one.phase.spectral(cos_gamma)
@@ -197,7 +190,7 @@ def _first(
         first = first.at[..., width:].add(
             (scattering * blurred * twice * _fewer(depth))[..., width:]
         )
-    return first, again
+    return first, again, sights
 
 
 def _fewer(x: Float[Array, "*b"]) -> Float[Array, "*b"]:

@@ -8,14 +8,15 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._typing import Scalar
 from .columns import SunColumns
 from .geometry import Ray, SunDirection
 from .medium import Medium
-from .nodes import Path, sample
-from .paths import Kind, Leg, both_legs, column_along, rising_leg
+from .nodes import Path, Sight, sample
+from .optics import Optics
+from .paths import Leg, column_along
 from .refraction import apparent, cos_at_start, cos_to_sun
 
 
@@ -30,11 +31,20 @@ def sunlight_at(
     eye_column: Float[Array, "*#b species"],
 ) -> tuple[Float[Array, "*b channel"], Float[Array, "*b species"]]:
     """Transmittance from the sun to a point times that from there to the eye; and the column."""
-    sun_column, lit = columns(altitude, mu)
+    return sunlight(columns.medium.optics, *columns(altitude, mu), eye_column)
+
+
+def sunlight(
+    optics: Optics,
+    sun_column: Float[Array, "*#b species"],
+    lit: Bool[Array, "*#b"],
+    eye_column: Float[Array, "*#b species"],
+) -> tuple[Float[Array, "*b channel"], Float[Array, "*b species"]]:
+    """The same where the column towards the sun is known."""
     # The shadow is a column that no light passes, not even where nothing dims it; a mask after the
     # product with the spectrum would cost as much as the exponential.
     column = jnp.where(lit[..., None], sun_column + eye_column, _BLACK_COLUMN)
-    return jnp.exp(-(column @ (columns.medium.optics.extinction + _LEAST))), column
+    return jnp.exp(-(column @ (optics.extinction + _LEAST))), column
 
 
 def dimming(columns: SunColumns, ray: Ray, suns: SunDirection):
@@ -134,7 +144,7 @@ def from_ground(
     optics = columns.medium.optics
     planet, altitude = columns.medium.planet, jnp.zeros_like(ray.mu)
     below, spread = apparent(planet, planet.turn_sun(sun, ray, distance), altitude)
-    light, column = sunlight_at(columns, altitude, below.up, to_ground)
+    light, column = sunlight(optics, *columns.at_ground(below.up), to_ground)
     light = light if spread is None else light * spread
     light = optics.ground_albedo / jnp.pi * jnp.maximum(below.up, 0.0) * light
     return jnp.stack([light, light * jnp.minimum(column @ optics.straight, _DARK)])
@@ -145,8 +155,8 @@ def first_order(
     columns: SunColumns,
     ray: Ray,
     suns: SunDirection,
+    sight: Sight,
     *,
-    kind: Kind,
     panels: int,
     kinks: int,
     split: bool,
@@ -158,28 +168,17 @@ def first_order(
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         suns: As seen from the eye, in the frame of the ray.
-        kind: "rising" saves the legs of falling rays.
+        sight: Its legs.
         panels: Of nodes on each stretch.
         kinks: So many are ends of panels besides.
         split: Cut the ray where it enters and leaves the planet's shadow of each sun. Without, all
-            suns share nodes, and those in the shadow are dark.
+            suns share the nodes of `sight`, and those in the shadow are dark.
 
     Returns:
         What phase functions times scattering coefficients multiply [m]; radiance of the ground as
         it arrives [sr⁻¹]. Of either the first order, and of the second what went straight on
         once.
     """
-    farthest = medium.sight()
-
-    def light_of(leg: Leg, start, offset):
-        if not split:
-            middle = jax.tree.map(lambda a: jnp.mean(a)[None], suns)
-            path = sample(
-                medium, leg, start, leg.length, panels, kinks, dimming(columns, ray, middle)
-            )
-            light = along_path(columns, ray, leg, path, offset, suns)
-            return jnp.moveaxis(light, 2, 0)
-        return jax.vmap(partial(split_light, leg, start, offset))(suns)
 
     def split_light(leg: Leg, start, offset, sun: SunDirection):
         a, b = (
@@ -204,13 +203,21 @@ def first_order(
         starts, ends = jnp.stack([start, high]), jnp.stack([low, leg.length])
         return jnp.sum(jax.vmap(light_from)(starts, ends, jnp.stack([near, far])), axis=0)
 
-    none = jnp.zeros_like(medium.optics.extinction[:, 0])
-    if kind == "rising":
-        leg = rising_leg(medium.planet, ray.altitude, ray.mu, farthest)
-        scattered = light_of(leg, jnp.zeros_like(leg.length), none)
+    leg = sight.leg
+    if split:
+
+        def light_of(leg: Leg, start, offset):
+            return jax.vmap(partial(split_light, leg, start, offset))(suns)
+
+        light = jax.vmap(light_of)(leg, sight.start, sight.offset)
+    else:
+
+        def light_along(leg: Leg, path: Path, offset):
+            return along_path(columns, ray, leg, path, offset, suns)
+
+        light = jnp.moveaxis(jax.vmap(light_along)(leg, sight.path, sight.offset), 3, 1)
+    scattered = jnp.sum(light, axis=0)
+    if leg.length.size == 1:
         return scattered, jnp.zeros_like(scattered[:, :, 0])
-    both, start, before, strikes = both_legs(medium, ray, farthest)
-    offset = jnp.stack([none, before])
-    scattered = jnp.sum(jax.vmap(light_of)(both, start, offset), axis=0)
-    under = jax.vmap(partial(from_ground, columns, ray, both.low_distance[0], before))
-    return scattered, jnp.where(strikes, under(suns), 0.0)
+    under = partial(from_ground, columns, ray, leg.low_distance[0], sight.to_ground[0])
+    return scattered, jnp.where(sight.strikes[0], jax.vmap(under)(suns), 0.0)
