@@ -10,7 +10,7 @@ from types import ModuleType
 import pytest
 
 import skyfit
-from skyfit.dataset import versions
+from skyfit.provenance import versions
 
 
 README = Path(__file__).parent.parent / "README.md"
