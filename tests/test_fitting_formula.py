@@ -1,18 +1,25 @@
 """Fits of every rung of the ladder: known numbers back, held-out skies, files, refusals."""
 
+import dataclasses
 import json
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+import xarray as xr
 from model_skies import model_skies
 
 from skyfit.cli import run
 from skyfit.dataset import SCHEMA, save_dataset
+from skyfit.export import export_fit
 from skyfit.fitting import Dependence, SkyFit, fit_sky, load_fit
 from skyfit.judging import shape_error
 from skyfit.models import preetham_sky
 from skyfit.models.domes import Series
+from skyfit.models.perez import Perez
+from skyfit.models.preetham import published_coefficients
 
 
 FILES = Path(__file__).parent / "files"
@@ -120,10 +127,78 @@ def test_a_broken_file_is_refused_by_name_and_key(series, tmp_path, change, mess
         ({"dependence": "cubic"}, r"fit_sky\(dependence=...\): expected one of .*'cubic'"),
         ({"channels": "HSV"}, r"fit_sky\(channels=...\): expected one of .*'HSV'"),
         ({"channels": "spectrum"}, "spectral bands need 'radiance'"),
-        ({"distribution": 3}, r"fit_sky\(distribution=...\): expected a name or a distribution"),
-        ({"dependence": 3}, r"fit_sky\(dependence=...\): expected a name or a Dependence"),
     ],
 )
 def test_what_is_no_choice_is_refused(skies, choice, message):
     with pytest.raises(ValueError, match=message):
         fit_sky(skies, **choice)
+
+
+@pytest.fixture(scope="module")
+def over_two():
+    """Skies over turbidity and a cover that takes light away and flattens the dome."""
+    covers = [0.0, 0.5]
+    one = model_skies(suns=SUNS[1:4])
+    parts = [one.assign(luminance=one["luminance"] * (1 - cover)) for cover in covers]
+    parts[1]["luminance"] = parts[1]["luminance"] * (1 + 0.1 * np.sin(one["view_zenith"]))
+    return xr.concat(parts, xr.DataArray(covers, dims="cover", name="cover"))
+
+
+def test_a_fit_over_two_parameters_has_a_plane_of_coefficients(over_two, tmp_path):
+    fit = fit_sky(over_two)
+    assert fit.swept == {"cover": (0.0, 0.5), "turbidity": (2.0, 6.0)}
+    assert fit.coefficients["Y"].shape == (5, 4)
+    # Chromaticities do not depend on the cover: its product with turbidity, and itself, come first.
+    want = published_coefficients()[0]
+    np.testing.assert_allclose(fit.coefficients["x"][:, 2:], want, atol=1e-7)
+    np.testing.assert_allclose(fit.coefficients["x"][:, :2], 0, atol=1e-7)
+    dim = over_two.sel(cover=0.5, turbidity=3.5).isel(sun_zenith=1)
+    view, azimuth = dim["view_zenith"].values, dim["relative_azimuth"].values
+    inside = view < np.radians(85.1)
+    got = np.asarray(fit.sky(turbidity=3.5, cover=0.5).xyY(SUNS[2], view, azimuth))[inside, 2]
+    np.testing.assert_allclose(got, dim["luminance"].values[inside], rtol=0.05)
+    assert fit.positivity.holds
+    fit.save(tmp_path / "fit.json")
+    back = load_fit(tmp_path / "fit.json")
+    at = (0.5, 0.9, 1.0)
+    np.testing.assert_array_equal(
+        back.sky(turbidity=4.0, cover=0.1).rgb(*at), fit.sky(cover=0.1, turbidity=4.0).rgb(*at)
+    )
+    with pytest.raises(ValueError, match=r"expected the parameters \['cover', 'turbidity'\]; got"):
+        fit.sky(turbidity=4.0)
+
+
+def test_an_exported_sky_takes_both_parameters(over_two, tmp_path):
+    fit = fit_sky(over_two)
+    code = export_fit(fit, "python")
+    names = {}
+    exec(compile(code, "sky.py", "exec"), names)
+    angles = np.cos(0.7), 0.5, 0.9
+    got = names["sky_xyY_of_angles"](*angles, 0.3, 4.0)
+    sky = fit.sky(cover=0.3, turbidity=4.0)
+    azimuth = np.arccos((np.cos(0.5) - np.cos(0.7) * np.cos(0.9)) / (np.sin(0.7) * np.sin(0.9)))
+    np.testing.assert_allclose(np.stack(got, -1), sky.xyY(0.9, 0.7, azimuth), rtol=1e-9)
+
+
+def test_a_fit_is_a_pytree_of_its_numbers(skies):
+    fit = fit_sky(skies)
+
+    @jax.jit
+    def luminance(fit, turbidity):
+        return fit.sky(turbidity=turbidity).xyY(0.5, 0.9, 1.0)[2]
+
+    want = fit.sky(turbidity=3.0).xyY(0.5, 0.9, 1.0)[2]
+    np.testing.assert_allclose(luminance(fit, 3.0), want, rtol=1e-12)
+    slope = jax.grad(lambda fit: luminance(fit, 3.0))(jax.tree.map(jnp.asarray, fit))
+    assert np.isfinite(slope.numbers["Y"]).all()
+    assert np.abs(slope.numbers["Y"]).max() > 0
+    with pytest.raises(AttributeError, match=r"sky\(...\).coefficients\(sun_zenith\)"):
+        _ = dataclasses.replace(fit, linked=True).coefficients
+
+
+def test_choices_are_values_not_spellings(skies):
+    words = fit_sky(skies, distribution="perez", dependence="linear")
+    values = fit_sky(skies, distribution=Perez(), dependence=Dependence("linear"))
+    for one, other in zip(jax.tree.leaves(words), jax.tree.leaves(values), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert words.notes == values.notes

@@ -33,7 +33,8 @@ class Terms:
         """Sum of numbers times terms: lines of its parts, and an expression of them."""
         table = np.asarray(numbers).reshape([len(factors) for factors in self._factors])
         lines: list[Line] = []
-        return tuple(lines), self._sum(name, table, self._factors, lines)
+        expression = self._sum(name, table, self._factors, lines)
+        return tuple(lines), expression
 
     def _sum(self, name, table, factors, lines) -> str:
         if not factors:

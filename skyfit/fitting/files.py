@@ -78,6 +78,7 @@ def _fit(path, document) -> SkyFit:
         wavelengths=bands and array_of(path, "formula.wavelengths", bands, (len(names),)),
         linked=bool(formula["linked"]),
         kind=kind,
+        channels=tuple(names),
         ranges=tuple((name, tuple(ends)) for name, ends in formula["ranges"].items()),
         sun_zenith_range=tuple(formula["sun_zenith_range"]),
         notes=_notes(document, names),

@@ -165,6 +165,7 @@ def fit_formula(
             wavelengths=skies.wavelengths,
             linked=formula.dependence.linked,
             kind=skies.kind,
+            channels=skies.channels,
             ranges=tuple(seen.ranges.items()),
             sun_zenith_range=seen.sun_zenith_range,
             notes=Notes(**notes),
@@ -268,7 +269,7 @@ def _errors(covariance, convert) -> Float[np.ndarray, "coefficient term"]:
 def _sums(fit: SkyFit, skies: Skies) -> Float[np.ndarray, "channel sky coefficient"]:
     """Sums of a fit's numbers times terms for every sky."""
     along = terms_of(fit.basis, skies)
-    return np.stack([along @ np.asarray(table).T for table in fit.numbers.values()])
+    return np.stack([along @ np.asarray(fit.numbers[name]).T for name in fit.channels])
 
 
 def _two_stage(

@@ -93,6 +93,7 @@ class SkyFit(eqx.Module):
         linked: whether sums of numbers times terms are free numbers, whose links are the
             coefficients; elsewhere the sums are the coefficients.
         kind: "Yxy", "XYZ", "RGB" or "bands".
+        channels: names of the channels, in order.
         ranges: name of every swept parameter, and the values between which the fit holds.
         sun_zenith_range: suns between which it holds [rad].
         notes: what is known of the fit besides its numbers.
@@ -107,6 +108,7 @@ class SkyFit(eqx.Module):
     wavelengths: Float[Array | np.ndarray, " channel"] | None
     linked: bool = eqx.field(static=True)
     kind: str = eqx.field(static=True)
+    channels: tuple[str, ...] = eqx.field(static=True)
     ranges: Ranges = eqx.field(static=True)
     sun_zenith_range: tuple[float, float] = eqx.field(static=True)
     notes: Notes = eqx.field(static=True)
@@ -133,11 +135,6 @@ class SkyFit(eqx.Module):
         if self.linked:
             return self.number_errors
         return {name: _line(table, self.basis) for name, table in self.number_errors.items()}
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
-        return tuple(self.numbers)
 
     @property
     def num_numbers(self) -> int:
@@ -236,7 +233,7 @@ class SkyFit(eqx.Module):
     def _at(self, swept) -> FormulaSky:
         return FormulaSky(
             swept=swept,
-            numbers=jnp.stack([as_float(table) for table in self.numbers.values()]),
+            numbers=jnp.stack([as_float(self.numbers[name]) for name in self.channels]),
             basis=self.basis,
             distribution=self.distribution,
             scale=self.scale,
@@ -251,7 +248,7 @@ class SkyFit(eqx.Module):
         """The formula as plain names and numbers, all that is needed to evaluate it."""
         return {
             "kind": self.kind,
-            "channels": list(self.numbers),
+            "channels": list(self.channels),
             "wavelengths": plain(self.wavelengths),
             "ranges": {name: list(ends) for name, ends in self.ranges},
             "sun_zenith_range": list(self.sun_zenith_range),

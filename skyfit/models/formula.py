@@ -86,7 +86,9 @@ class FormulaSky(AbstractSkyModel):
     def coefficients(self, sun_zenith: ArrayLike) -> Float[Array, "channel coefficient *batch"]:
         """Coefficients of the distribution in every channel, at the model's parameters and suns."""
         sun, *swept = align(as_float(sun_zenith), *self.swept.values())
-        return self._coefficients(self._held(swept) | {SUN: sun})
+        return self._coefficients(
+            self._held(dict(zip(self.swept, swept, strict=True))) | {SUN: sun}
+        )
 
     def zenith(self, sun_zenith: ArrayLike) -> Float[Array, "*batch channel"]:
         """Value of every channel at the zenith."""
@@ -129,13 +131,9 @@ class FormulaSky(AbstractSkyModel):
             return xyY_to_xyz(values)
         return rgb_to_xyz(values) if self.kind == "RGB" else values
 
-    def _held(self, swept) -> dict[str, Any]:
+    def _held(self, swept: Mapping[str, Any]) -> dict[str, Any]:
         """Parameters by name, held in their ranges."""
-        valid = dict(self.ranges)
-        return {
-            name: jnp.clip(value, *valid[name])
-            for name, value in zip(self.swept, swept, strict=True)
-        }
+        return {name: jnp.clip(swept[name], *ends) for name, ends in self.ranges}
 
     def _coefficients(self, at: Mapping[str, Any]):
         """Coefficients of every channel, on the first two axes."""
@@ -145,7 +143,8 @@ class FormulaSky(AbstractSkyModel):
     def _values(self, swept, sun, cos_view, gamma, cos_gamma, *, over_zenith=False):
         """Every channel, on the first axis, in the precision of the angles."""
         sky = jax.tree.map(lambda array: array.astype(gamma.dtype), self)
-        at = sky._held([value.astype(gamma.dtype) for value in swept]) | {SUN: sun}
+        at = sky._held({name: value.astype(gamma.dtype) for name, value in swept.items()})
+        at[SUN] = sun
         table = sky._coefficients(at)
         scale = jnp.ones((len(table), *table.shape[2:]), gamma.dtype)
         scale = scale if over_zenith else sky.scale(at)
@@ -175,7 +174,8 @@ def _by_angles(sky, sun_zenith, view_zenith, relative_azimuth, *, over_zenith) -
     angles = align(sun_zenith, view_zenith, relative_azimuth, *sky.swept.values())
     sun, view, azimuth, *swept = angles
     gamma = view_sun_angle(view, sun, azimuth)
-    places = swept, sun, jnp.cos(view), gamma, jnp.cos(gamma)
+    named = dict(zip(sky.swept, swept, strict=True))
+    places = named, sun, jnp.cos(view), gamma, jnp.cos(gamma)
     return jnp.moveaxis(sky._values(*places, over_zenith=over_zenith), 0, -1)
 
 
@@ -188,9 +188,9 @@ def _by_vectors(sky, direction, sun_direction) -> Any:
 
 
 def _vectors_at_once(sky, direction, sun_direction):
-    names = list(sky.swept)
-    at = view_along(direction, sun_direction, tuple(sky.swept[name] for name in names))
-    values = sky._values(at.swept, at.sun_zenith, at.cos_view, at.gamma, at.cos_gamma)
+    at = view_along(direction, sun_direction, tuple(sky.swept.values()))
+    named = dict(zip(sky.swept, at.swept, strict=True))
+    values = sky._values(named, at.sun_zenith, at.cos_view, at.gamma, at.cos_gamma)
     if sky.kind != "Yxy":
         return jnp.moveaxis(values, 0, -1)
     x, y, luminance = values

@@ -69,6 +69,10 @@ def load_source(
 
 def _fitted(path: Path, turbidity: float | None) -> ModelSource:
     fit = load_fit(path)
+    if len(fit.swept) > 1:
+        raise InputError(
+            f"{path}: a fit over {', '.join(fit.swept)}; expected one parameter, or none"
+        )
     if fit.parameter_name == "turbidity":
         value = _needed(turbidity, str(path))
         name = f"{path.name}, turbidity {value:g}"

@@ -16,16 +16,15 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
-from skyfit.fitting.distribution import PerezDistribution
 from skyfit.fitting.groups import FitSettings, fit_groups
-from skyfit.fitting.shape import solve_shapes
 from skyfit.fitting.starts import solve_from_starts
 
 from skyfit.campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
 from skyfit.dataset import load_dataset
 from skyfit.fitting.skies import read_skies
 from skyfit.models import preetham_sky
-from skyfit.models.perez import CHANNELS
+from skyfit.models.formula import CHANNELS
+from skyfit.models.perez import Perez
 
 
 def jittered_skies(seed=0):
@@ -37,8 +36,8 @@ def jittered_skies(seed=0):
     for i, turbidity in enumerate(PAPER_TURBIDITIES):
         for k, sun in enumerate(suns):
             model = preetham_sky(turbidity)
-            off = model.coefficients * (1 + 0.05 * rng.standard_normal((3, 5, 1)))
-            model = eqx.tree_at(lambda m: m.coefficients, model, off)
+            off = model.numbers * (1 + 0.05 * rng.standard_normal((3, 5, 1)))
+            model = eqx.tree_at(lambda m: m.numbers, model, off)
             colours[:, i, k] = np.moveaxis(np.asarray(model.xyY(sun, view, azimuth)), -1, 0)
     colours *= 1 + 0.01 * rng.standard_normal(colours.shape)
     dims = ("turbidity", "sun_zenith", "direction")
@@ -58,7 +57,7 @@ def scipy_loop(problem, coefficients):
     """The same fits one by one with SciPy's Levenberg-Marquardt and its default Jacobian."""
     found = []
     arrays = [np.asarray(a) for a in (problem.cos_view, problem.gamma, problem.sun_zenith)]
-    target, weight, basis = (np.asarray(a) for a in (problem.target, problem.weight, problem.basis))
+    target, weight, basis = (np.asarray(a) for a in (problem.target, problem.weight, problem.terms))
     for lane, start in enumerate(coefficients):
         cos_view, gamma, sun = (a[lane] for a in arrays)
         airmass = 1 / np.maximum(cos_view, 1e-9)
@@ -116,25 +115,25 @@ def share_at_best(loss, best):
 def bench_fits(data):
     """Figures of the single-sky and joint fits."""
     skies, plain = read_skies(data), FitSettings(prior=0.0)
-    each = fit_groups(skies, plain, "sky")
-    first = fit_groups(skies, plain, "sky", again=False)
+    each = fit_groups(skies, PUBLISHED, plain, "sky")
+    first = fit_groups(skies, PUBLISHED, plain, "sky", again=False)
     lanes = each.rms.size
     best = np.asarray(each.solution.loss)
     for start in random_starts(np.random.default_rng(1), lanes // 3, 24):
-        one = solve_shapes(each.problem, jnp.asarray(start), rtol=1e-10, max_steps=200)
+        one = solve(each.problem, jnp.asarray(start), rtol=1e-10, max_steps=200)
         best = np.fmin(best, np.asarray(one.loss))
     report(f"{lanes} five-coefficient fits; within 0.1 % of the best of 24 random starts:")
     report(f"  first try, from three starts {share_at_best(first.solution.loss, best)}")
     again = (each.starts > first.starts).sum()
     report(f"  {again} in doubt run again {share_at_best(each.solution.loss, best)}")
 
-    one = seconds(lambda: fit_groups(skies, plain, "sky", again=False))
-    full = seconds(lambda: fit_groups(skies, plain, "sky"))
-    joint = seconds(lambda: fit_groups(skies, FitSettings(), "all"))
+    one = seconds(lambda: fit_groups(skies, PUBLISHED, plain, "sky", again=False))
+    full = seconds(lambda: fit_groups(skies, PUBLISHED, plain, "sky"))
+    joint = seconds(lambda: fit_groups(skies, PUBLISHED, FitSettings()))
     report(f"warm: {lanes} fits {full:.3f} s (first try {one:.3f} s); 3 joint fits {joint:.3f} s")
 
-    cold = [PerezDistribution().starts(name)[0] for name in CHANNELS]
-    together = fit_groups(skies, plain, "all")
+    cold = [Perez().starts(name)[0] for name in CHANNELS]
+    together = fit_groups(skies, PUBLISHED, plain)
     start = time.perf_counter()
     costs = scipy_loop(each.problem, np.repeat(cold, lanes // 3, axis=0))
     scipy_loop(together.problem, cold)
