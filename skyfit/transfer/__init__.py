@@ -8,6 +8,7 @@ How it works, file by file:
 - `medium`: an atmosphere on its planet, its densities made cheap to integrate;
 - `paths`: density along rays, and columns between eye and air;
 - `nodes`: where on a ray light is looked at;
+- `sight`: lines of sight, laid out once for all orders;
 - `columns`: columns between air and sun;
 - `single`: the first order, light scattered once;
 - `harmonics`: spherical harmonics of a light field, in which scattering is a product;

@@ -17,12 +17,13 @@ from .field import Field, Grid, project
 from .geometry import Ray, SunDirection
 from .harmonics import cosines, legendre
 from .medium import Medium
-from .nodes import Path, Sight, sample
+from .nodes import Path, sample
 from .optics import Optics
 from .paths import Leg
 from .quadrature import safe_sqrt
 from .quality import Quality
 from .refraction import apparent
+from .sight import Sight
 
 
 class Source(eqx.Module):

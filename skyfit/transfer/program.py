@@ -16,12 +16,12 @@ from .compiling import compile_quickly
 from .field import first_field, make_grid
 from .geometry import AbstractPlanet, Flat, Ray, Spherical, SunDirection
 from .medium import Medium, make_medium
-from .nodes import Sight, look_along
 from .optics import Optics
 from .orders import gather, next_field, scatter, straight_beam
 from .paths import Kind
 from .quality import ALL_SUNS_DEG, LOW_SUN_OFFSETS_DEG, TWILIGHT_OFFSETS_DEG, Quality
 from .refraction import Refracting, cos_at_start, straightened
+from .sight import Sight, look_along
 from .single import dimming, first_order
 from .solve import sum_of_orders
 from .views import Views

@@ -4,7 +4,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, ArrayLike, Bool, Float
 
 from .._typing import as_float, check, is_traced
 from ..atmosphere import Atmosphere
@@ -99,11 +99,11 @@ def simulate(
     if is_traced(sky.by_order, sky.tail):
         if estimate_error:
             raise ValueError("simulate(estimate_error=True): not inside jit, vmap or grad")
-        return _not_below_zero(sky, atmosphere, False)
+        return _not_below_zero(sky, atmosphere.solar_irradiance, jnp.asarray(False))
     before = np.asarray(sky.radiance)
     night = np.asarray(sun_zenith, float) > np.pi / 2
     night = np.broadcast_to(night, before.shape[:-1])[..., None]
-    sky = _not_below_zero(sky, atmosphere, night)
+    sky = _not_below_zero(sky, atmosphere.solar_irradiance, jnp.asarray(night))
     radiance = np.asarray(sky.radiance)
     refuse_impossible(radiance, "simulate")
     refuse_impossible(np.asarray(sky.by_order), "simulate: of single orders,")
@@ -150,16 +150,19 @@ def coarser_radiance(
     return np.asarray(sky.radiance)
 
 
-def _not_below_zero(sky: Sky, atmosphere: Atmosphere, night: np.ndarray | bool) -> Sky:
+@jax.jit
+def _not_below_zero(
+    sky: Sky, sunlight: Float[Array, " wavelength"], night: Bool[Array, "..."]
+) -> Sky:
     """Light that came out below 0, but by less than can be told, taken for none.
 
     Args:
         sky: As it was computed.
-        atmosphere: What the sky is of; its sunlight is what darkness is measured by.
+        sunlight: Above the air, which darkness is measured by [W m⁻² nm⁻¹].
         night: Where the sun has set: there all light below 0 is taken for none; [*batch, 1].
     """
     radiance = sky.radiance
-    dark = jnp.broadcast_to(-_DARK * atmosphere.solar_irradiance, radiance.shape)
+    dark = jnp.broadcast_to(-_DARK * sunlight, radiance.shape)
     dark = jnp.where(jnp.broadcast_to(night, radiance.shape), -jnp.inf, dark)
     black = (radiance <= 0) & (radiance > dark)
     below = (sky.by_order < 0) & (sky.by_order > dark[None])

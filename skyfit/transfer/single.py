@@ -14,10 +14,11 @@ from .._typing import Scalar
 from .columns import SunColumns
 from .geometry import Ray, SunDirection
 from .medium import Medium
-from .nodes import Path, Sight, sample
+from .nodes import Path, sample
 from .optics import Optics
 from .paths import Leg, column_along
 from .refraction import apparent, cos_at_start, cos_to_sun
+from .sight import Sight
 
 
 _DARK = 700.0  # optical depth that stands for the planet's shadow

@@ -1,8 +1,10 @@
 """Directions grouped by sun and by line of sight, so that what they share is computed once."""
 
+from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -43,11 +45,16 @@ class Shape(NamedTuple):
         self, by_order: Float[Array, "order sun ray out wavelength"]
     ) -> Float[Array, "order *batch wavelength"]:
         """Put results into the shape of the caller's arguments."""
-        picked = by_order[:, :, self.place[:, 0], self.place[:, 1]]
-        orders, wavelengths = by_order.shape[0], by_order.shape[-1]
-        wide = picked.reshape(orders, *self.sizes, wavelengths)
         back = tuple(1 + int(k) for k in np.argsort(self.axes))
-        return wide.transpose(0, *back, wide.ndim - 1)
+        return _restored(by_order, self.place, self.sizes, back)
+
+
+@partial(jax.jit, static_argnums=(2, 3))
+def _restored(by_order, place, sizes, back):
+    """One small program where each step would be one."""
+    picked = by_order[:, :, place[:, 0], place[:, 1]]
+    wide = picked.reshape(by_order.shape[0], *sizes, by_order.shape[-1])
+    return wide.transpose(0, *back, wide.ndim - 1)
 
 
 def group(
