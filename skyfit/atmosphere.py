@@ -32,8 +32,8 @@ class Constituent(eqx.Module):
         density: Relative density over altitude.
         scattering: Coefficient where the relative density is 1, 0 or more [m⁻¹]: one value or
             one per wavelength.
-        absorption: The same for absorption [m⁻¹].
-        phase: Into which directions it scatters.
+        absorption: Absorption coefficient where the relative density is 1 [m⁻¹].
+        phase: Phase function, the directions into which it scatters.
         bands: What it absorbs besides, by lines too narrow for the wavelengths; None for nothing.
     """
 
@@ -99,14 +99,15 @@ class Atmosphere(eqx.Module):
     """A spherical atmosphere over a Lambertian ground, lit by the sun.
 
     Args:
-        wavelengths: Increasing [nm].
-        solar_irradiance: Above the atmosphere, on a plane normal to the sun, 0 or more: one value
+        wavelengths: Wavelengths of all spectra, increasing [nm].
+        solar_irradiance: Sunlight above the air on a plane normal to it, 0 or more: one value
             or one per wavelength [W m⁻² nm⁻¹].
-        constituents: One or more; their spectra have the length of `wavelengths` or 1.
-        ground_albedo: Lambertian, in [0, 1]: one value or one per wavelength.
-        planet_radius: [m].
-        top_altitude: Above it there is nothing [m].
-        refraction: How the air bends light; None for straight rays.
+        constituents: Gases and aerosols, one or more, with spectra of as many values as
+            `wavelengths`, or of 1.
+        ground_albedo: Albedo of a Lambertian ground, in [0, 1]: one value or one per wavelength.
+        planet_radius: Radius of the planet, to the ground [m].
+        top_altitude: Altitude above which there is nothing [m].
+        refraction: Law by which the air bends light; None for straight rays.
     """
 
     wavelengths: Spectrum

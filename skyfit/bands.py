@@ -23,9 +23,9 @@ class Bands(eqx.Module):
 
     Args:
         weights: Share of the spectrum that each class has, above 0; they add up to 1.
-        absorption: Of each class, where the relative density is 1, 0 or more; wavelengths as those
-            of the atmosphere [m⁻¹]. Where no class absorbs, as far as that is known before
-            compiling, none is simulated.
+        absorption: Absorption of each class, where the relative density is 1, 0 or more;
+            wavelengths as those of the atmosphere [m⁻¹]. Where no class absorbs, as far as that is
+            known before compiling, none is simulated.
     """
 
     weights: Float[Array, " line_class"]
@@ -64,7 +64,7 @@ class Bands(eqx.Module):
         """The same lines, of so many times as much of what absorbs; derivatives go through.
 
         Args:
-            factor: 0 or more.
+            factor: Factor of the absorption, 0 or more.
         """
         times = as_scalar(factor, "Bands.scaled(factor=...)")
         times = check(

@@ -68,7 +68,7 @@ def spectrum_to_xyz(radiance: ArrayLike, wavelengths: ArrayLike) -> Float[Array,
 
     Args:
         radiance: Wavelength last [W m⁻² sr⁻¹ nm⁻¹].
-        wavelengths: Increasing; see `xyz_weights` for what is assumed between them [nm].
+        wavelengths: Wavelengths, increasing; `xyz_weights` says what is assumed between [nm].
 
     Returns:
         X, Y, Z on the last axis [cd m⁻²].
@@ -157,7 +157,7 @@ def daylight_radiance(
 
     Args:
         xyY: Chromaticity and luminance [cd m⁻²] on the last axis.
-        wavelengths: One axis, each from 300 to 830 [nm].
+        wavelengths: Wavelengths on one axis, each from 300 to 830 [nm].
 
     Returns:
         Wavelength last [W m⁻² sr⁻¹ nm⁻¹].

@@ -226,7 +226,7 @@ class Tabulated(AbstractPhaseFunction):
 
     Args:
         angle: Scattering angles, two or more, increasing within [0, π] [rad].
-        value: Above 0, at each angle: [angle] or [angle, wavelength].
+        value: Values above 0 at each angle: [angle] or [angle, wavelength].
     """
 
     angle: Float[Array, " angle"]

@@ -49,7 +49,7 @@ def rayleigh_scattering(wavelengths: ArrayLike) -> Float[Array, "..."]:
     6.95e-6, 1.18e-5 and 2.44e-5 at 650, 570 and 475 nm, as Hoffman & Preetham (2002) print.
 
     Args:
-        wavelengths: [nm], any shape.
+        wavelengths: Wavelengths, any shape [nm].
     """
     lam = 1e-9 * as_float(wavelengths)
     p = constants.AIR_DEPOLARISATION
@@ -68,7 +68,7 @@ def haze_scattering(turbidity: ArrayLike, wavelengths: ArrayLike) -> Float[Array
 
     Args:
         turbidity: T, 1 or more.
-        wavelengths: [nm], any shape.
+        wavelengths: Wavelengths, any shape [nm].
 
     Returns:
         In the shape of `wavelengths`.
@@ -140,7 +140,7 @@ def preetham_atmosphere(
         turbidity_means: "optical thickness" for the definition T = (t_m + t_h) / t_m at 550 nm;
             "coefficients" for appendix A.3's haze coefficient at the ground, whose optical
             thickness makes T = 2 … 6 into 2.09 … 6.45 with Elterman's profile.
-        haze_density: In place of Elterman's profile.
+        haze_density: Profile of the haze in place of Elterman's.
         ozone: Absorb by 3.5 mm of ozone in a layer around 25 km. The paper's simulation has none.
         ground_albedo: The paper's is 0; one value or one per wavelength.
 

@@ -68,8 +68,8 @@ class Tabulated(AbstractProfile):
     are: the coefficients of a constituent hold where the relative density is 1.
 
     Args:
-        altitude: At least two, increasing [m].
-        relative_density: At each altitude, 0 or more [1].
+        altitude: Altitudes, two or more, increasing [m].
+        relative_density: Relative density at each altitude, 0 or more [1].
     """
 
     altitude: Float[Array, " node"]

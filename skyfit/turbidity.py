@@ -84,7 +84,7 @@ def aerosol_optical_depth(
 
     Args:
         turbidity: T, 1 or more.
-        wavelength: [nm].
+        wavelength: Wavelength of the optical depth [nm].
         angstrom_exponent: α by which the depth goes as wavelength^-α.
 
     Raises:
@@ -124,7 +124,7 @@ def from_zenith_luminance(luminance: ArrayLike, sun_zenith: ArrayLike) -> Float[
     the 1.9 to 10 for which that holds; a darker or brighter zenith is given the nearest end.
 
     Args:
-        luminance: Of the zenith [cd m⁻²].
+        luminance: Luminance of the zenith [cd m⁻²].
         sun_zenith: Zenith angle of the sun, at most 80°: below, haze dims the zenith as well [rad].
 
     Raises:

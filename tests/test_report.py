@@ -101,6 +101,13 @@ def test_every_picture_is_there_and_on_the_page(directory):
     assert (directory / "report.html").read_text().count("<img") == 7
 
 
+def test_a_campaign_of_another_atmosphere_is_refused(tmp_path):
+    campaign = skyfit.Campaign(atmosphere=skyfit.preetham_atmosphere(2.0))
+    with pytest.raises(skyfit.InputError, match="expected one of the paper's atmosphere"):
+        skyfit.reproduce(tmp_path / "report", campaign=campaign)
+    assert not (tmp_path / "report").exists()
+
+
 @pytest.mark.slow
 def test_the_skies_and_the_fit_of_a_report_can_be_used_again(directory, report):
     skies = skyfit.load_dataset(directory / "sky.nc")

@@ -44,9 +44,9 @@ def by_hermite(
     Args:
         layers: Layers that the ray crosses.
         ray: Stretch of the ray.
-        slopes: Slopes at the cubic's ends. "by v", with respect to the variable it is a cubic in, is
-            right but unbounded where constituent i thins out; "by x", as appendix A.4 can be read, is
-            wrong but bounded.
+        slopes: Slopes at the cubic's ends. "by v", with respect to the variable it is a cubic in,
+            is right but unbounded where constituent i thins out; "by x", as appendix A.4 can be
+            read, is wrong but bounded.
     """
     start = ray.density
     end, column = lengths(layers, ray, ray.length)

@@ -30,7 +30,7 @@ class Case(NamedTuple):
     """What to measure.
 
     Attributes:
-        orders: Of scattering; None for all.
+        orders: Orders of scattering; None for all.
         precision: 32 or 64 bits.
         quality: See `skyfit.simulate`.
         suns: Evenly from 0° to 85° from the zenith.

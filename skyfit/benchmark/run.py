@@ -44,7 +44,7 @@ def run_benchmarks(
     """Measure the simulator on 12 suns × 343 directions × 41 wavelengths over grey ground.
 
     Args:
-        orders: Of scattering, one row each; None for all.
+        orders: Orders of scattering, one row each; None for all.
         precisions: 32 and 64 bits, one row each.
         quality: See `skyfit.simulate`.
         accuracy: Compare with quality "high" in 64 bits: as many more runs as there are orders;

@@ -31,8 +31,8 @@ def path_errors(
     Both constituents shine in proportion to their extinction.
 
     Args:
-        view_zenith_deg: One axis [degrees].
-        distance: One axis [m].
+        view_zenith_deg: View zenith angles, one axis [degrees].
+        distance: Distances, one axis [m].
         observer_altitude: Altitude of the eye [m].
 
     Returns:

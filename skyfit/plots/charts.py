@@ -23,9 +23,9 @@ def luminance_sections(
     """Luminance through the solar meridian.
 
     Args:
-        sources: By turbidity and by name; one row of panels for each turbidity.
+        sources: Skies by turbidity and by name; one row of panels for each turbidity.
         suns: Zenith angles, one column of panels each [rad].
-        step: Between the simulated directions [rad].
+        step: Angle between the simulated directions [rad].
     """
     figure = style.new_figure(2.6 * len(suns), 2.2 * len(sources))
     panels = figure.subplots(len(sources), len(suns), sharex=True, sharey=True, squeeze=False)
@@ -69,7 +69,7 @@ def zenith_chart(
     """Zenith luminance and chromaticity over the sun's zenith angle.
 
     Args:
-        sources: By turbidity, one column each, and by name.
+        sources: Skies by turbidity, one column each, and by name.
         suns: Simulated zenith angles of the sun [rad].
         fine: Those at which models are drawn [rad].
     """

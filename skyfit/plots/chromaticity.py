@@ -20,7 +20,7 @@ def chromaticity_diagram(
     """Tracks of x, y with the spectral locus, daylight and sRGB; a ring marks where each begins.
 
     Args:
-        tracks: By name: chromaticities x and y.
+        tracks: Chromaticities x and y, by name.
         whole: Show the whole diagram; else the surroundings of the tracks.
     """
     nodes, curves = matching_functions()

@@ -21,9 +21,9 @@ def luminance_map(sky: Sky, sun_zenith: float, title: str = "") -> Figure:
     """Luminance over view zenith and azimuth from the sun, the sun marked.
 
     Args:
-        sky: Whose luminance.
-        sun_zenith: [rad].
-        title: Above the map.
+        sky: Sky whose luminance is shown.
+        sun_zenith: Zenith angle of the sun [rad].
+        title: Title above the map.
     """
     view, turn, values = _on_grid(sky, sun_zenith)
     brightness = values / 1e3
@@ -40,10 +40,10 @@ def error_map(
     """Luminance of a model over the true one; white where they agree.
 
     Args:
-        truth: What is divided by.
-        model: What is divided.
-        sun_zenith: [rad].
-        title: Above the map.
+        truth: Sky that is divided by.
+        model: Sky that is divided.
+        sun_zenith: Zenith angle of the sun [rad].
+        title: Title above the map.
         bound: Upper end of the colours, above 1; its inverse is the lower end.
     """
     if not bound > 1:

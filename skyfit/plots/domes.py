@@ -21,7 +21,7 @@ def dome_gallery(sources: Mapping[str, Source], turbidity: float, suns: Sequence
 
     Args:
         sources: A row each, by name.
-        turbidity: Of all of them.
+        turbidity: Turbidity of all of them.
         suns: Zenith angles, two columns each [rad].
     """
     figure = style.new_figure(2.0 * 2 * len(suns) + 0.6, 2.15 * len(sources) + 0.8)
@@ -65,7 +65,7 @@ def error_maps(
     Args:
         truth: The simulation.
         models: A row each, by name.
-        turbidity: Of all of them.
+        turbidity: Turbidity of all of them.
         suns: Zenith angles, a column each [rad].
         bound: Upper end of the colour scale; its inverse is the lower end [1].
     """

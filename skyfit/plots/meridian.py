@@ -15,9 +15,9 @@ def meridian_section(skies: Mapping[str, Sky], sun_zenith: float) -> Figure:
     """Luminance and chromaticity from one horizon to the other, through the sun.
 
     Args:
-        skies: By name, which the legend shows; "simulated", "refit", "published" and "measured"
-            have the look of the report.
-        sun_zenith: [rad].
+        skies: Skies by name, which the legend shows; "simulated", "refit", "published" and
+            "measured" have the look of the report.
+        sun_zenith: Zenith angle of the sun [rad].
     """
     signed = np.linspace(-np.pi / 2, np.pi / 2, 241)
     with style.house_style():

@@ -20,9 +20,9 @@ def spectrum_chart(
     """Spectra on one axis.
 
     Args:
-        spectra: By name, as many values as wavelengths.
-        wavelengths: [nm].
-        quantity: What the values are.
+        spectra: Spectra by name, as many values as wavelengths.
+        wavelengths: Wavelengths of the spectra [nm].
+        quantity: Name of what the values are.
         unit: Theirs.
         log: Logarithmic values.
     """

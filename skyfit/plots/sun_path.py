@@ -19,7 +19,7 @@ def sun_path(latitude: float, *, longitude: float = 0.0, standard_meridian: floa
     Args:
         latitude: Positive north [rad].
         longitude: Positive east [rad].
-        standard_meridian: To which the clock is set [rad].
+        standard_meridian: Longitude that the clock is set to [rad].
     """
     place = (latitude, longitude)
     with style.house_style():

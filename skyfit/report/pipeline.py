@@ -9,10 +9,11 @@ import numpy as np
 import xarray as xr
 
 from .._progress import Progress, silent
-from ..campaign import Campaign
+from ..campaign import Campaign, PaperAtmosphere
 from ..colour import PAPER_CHANNELS
 from ..dataset import save_dataset
 from ..dataset.runner import run_campaign
+from ..errors import InputError
 from ..fitting import SkyFit, fit_sky
 from ..judging import recovery_error, shape_error
 from ..models import preetham_sky
@@ -54,11 +55,14 @@ def reproduce(
         What report.json holds.
 
     Raises:
-        InputError: `out` holds something else; the campaign cannot be fitted.
+        InputError: `out` holds something else; the campaign is not of the paper's atmosphere, or
+            cannot be fitted.
     """
+    plan = Campaign() if campaign is None else campaign
+    if not isinstance(plan.atmosphere, PaperAtmosphere):
+        raise InputError("reproduce(campaign=...): expected one of the paper's atmosphere")
     directory = claim_directory(out)
     tell = progress or silent
-    plan = Campaign() if campaign is None else campaign
     clock = Clock()
     with clock.stage("fit"):
         tell("recovery check", 0, 1)

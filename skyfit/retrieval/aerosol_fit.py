@@ -58,11 +58,12 @@ class AerosolFit:
     """An aerosol fitted to skies.
 
     Attributes:
-        values: Of every number: Ångström's exponent and β (optical depth at 1 µm), asymmetry,
+        values: Value of every number: Ångström's exponent and β (optical depth at 1 µm), asymmetry,
             single-scattering albedo, and by how much the ground's albedo is multiplied.
-        standard_errors: As if the residuals were independent; 0 where a number does nothing.
-        rmse: Over skies, directions and wavelengths [W m⁻² sr⁻¹ nm⁻¹].
-        steps: Of the solver.
+        standard_errors: Standard errors as if the residuals were independent; 0 where a number
+            does nothing.
+        rmse: Root mean square error over skies, directions and wavelengths [W m⁻² sr⁻¹ nm⁻¹].
+        steps: Number of the solver's steps.
         converged: The solver's word.
     """
 
@@ -102,12 +103,12 @@ def fit_aerosol(
     Args:
         skies: In the form of `skyfit.dataset`, with `radiance` over time (or suns), direction and
             wavelength; unreliable directions left out.
-        campaign: From a campaign file; nothing swept. Its suns and directions do not matter.
+        campaign: Campaign of a file, nothing swept; its suns and directions do not matter.
         aerosol: Name of its constituent of kind "angstrom_aerosol", given by `angstrom_beta`.
-        wavelengths: At which the skies are compared, within those of the skies [nm].
-        orders: As for `simulate`.
-        quality: As for `simulate`.
-        max_steps: Of the solver.
+        wavelengths: Wavelengths at which the skies are compared, within theirs [nm].
+        orders: Orders of scattering, as for `simulate`.
+        quality: Quality of the simulation, as for `simulate`.
+        max_steps: Largest number of the solver's steps.
 
     Raises:
         InputError: The campaign has no such aerosol; the skies have no spectral radiance.

@@ -25,7 +25,7 @@ class Dome(eqx.Module):
     Attributes:
         light: Per direction of the grid and channel: CIE XYZ [cd m⁻²], spectral radiance
             [W m⁻² sr⁻¹ nm⁻¹], or whatever was put in, over steradian.
-        sun_zenith: Where the sun stands; the disc itself is no part of the dome [rad].
+        sun_zenith: Zenith angle of the sun, whose disc is no part of the dome [rad].
     """
 
     light: Float[Array, "zenith azimuth channel"]
@@ -88,9 +88,9 @@ def sky_dome(
     within 2e-5 of the converged one, on tilted planes within 2e-4.
 
     Args:
-        model: Any sky model of one parameter value; `jax.vmap` for more.
+        model: Sky model of one parameter value; `jax.vmap` for more.
         sun_zenith: Zenith angle of the sun [rad].
-        wavelengths: For spectral radiance [nm]; CIE XYZ if not given.
+        wavelengths: Wavelengths of spectral radiance [nm]; CIE XYZ if not given.
         zeniths: Rings of the grid.
         azimuths: Directions of each ring.
 

@@ -21,7 +21,7 @@ def real_harmonics(direction: ArrayLike, order: int = 2) -> Float[Array, "*batch
     """Values of the harmonics of degree 0 to `order` in directions.
 
     Args:
-        direction: Unit vectors, components on the last axis.
+        direction: Directions as unit vectors, components on the last axis.
         order: Highest degree l, 0 or more.
 
     Raises:
@@ -68,8 +68,8 @@ def harmonic_light(coefficients: ArrayLike, direction: ArrayLike) -> Float[Array
     """Light from directions, as far as coefficients tell.
 
     Args:
-        coefficients: Of `project`.
-        direction: Unit vectors.
+        coefficients: Coefficients that `project` makes.
+        direction: Directions as unit vectors.
 
     Raises:
         InputError: A number of coefficients that is no square.
@@ -87,8 +87,8 @@ def harmonic_irradiance(
     and of no use on planes that little light falls on.
 
     Args:
-        coefficients: Of `project`.
-        normal: Unit vectors of the planes.
+        coefficients: Coefficients that `project` makes.
+        normal: Normals of the planes as unit vectors.
 
     Raises:
         InputError: A number of coefficients that is no square.

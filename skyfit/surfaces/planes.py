@@ -20,8 +20,8 @@ class PlaneLight(NamedTuple):
     [W m⁻² nm⁻¹] for one in spectral radiance.
 
     Attributes:
-        direct: Of the sun's disc; 0 if it was left out.
-        sky: Of the sky without the disc.
+        direct: Light of the sun's disc; 0 if it was left out.
+        sky: Light of the sky without the disc.
         ground: Reflected by the ground before the plane.
     """
 
@@ -52,11 +52,11 @@ def plane_light(
 
     Args:
         dome: The sky.
-        tilt: Of the plane: 0 faces up, π/2 is a wall, π faces down [rad].
-        azimuth: Where the plane faces, from the sun's azimuth [rad]; broadcasts against `tilt`.
+        tilt: Tilt of the plane: 0 faces up, π/2 is a wall, π faces down [rad].
+        azimuth: Azimuth the plane faces, from the sun's [rad]; broadcasts against `tilt`.
         sun: What the sun's disc puts on a plane that faces it, per channel (`sun_light`); without
             it the disc is left out.
-        ground_albedo: Of an even, diffusing ground below the horizon, lit by sky and sun.
+        ground_albedo: Albedo of an even, diffusing ground, lit by sky and sun.
     """
     tilt, azimuth = jnp.broadcast_arrays(as_float(tilt), as_float(azimuth))
     normal = unit_vector(tilt, azimuth)
@@ -78,9 +78,10 @@ def sun_light(
     """What the sun's disc puts on a plane that faces it, for `plane_light`.
 
     Args:
-        turbidity: As for `skyfit.sunlight`.
+        turbidity: Turbidity, as for `skyfit.sunlight`.
         sun_zenith: Zenith angle of the sun [rad].
-        wavelengths: For spectral irradiance [W m⁻² nm⁻¹]; CIE XYZ, Y in lx, if not given.
+        wavelengths: Wavelengths of spectral irradiance [W m⁻² nm⁻¹]; CIE XYZ, Y in
+            lx, if not given.
     """
     at = as_scalar(turbidity, "sun_light(turbidity=...)")
     sun = as_scalar(sun_zenith, "sun_light(sun_zenith=...)")

@@ -31,8 +31,8 @@ def sampled_dome(
 
     Args:
         sun_zenith: Zenith angle of the sun [rad].
-        view_zenith: Of each direction, to π/2 at most [rad]; known numbers, not traced ones.
-        relative_azimuth: Of each direction from the sun [rad].
+        view_zenith: View zenith of each direction, to π/2 at most [rad]; known, not traced.
+        relative_azimuth: Azimuth of each direction from the sun [rad].
         light: Per direction and channel: CIE XYZ, spectral radiance, …
         zeniths: Rings of the dome.
         azimuths: Directions of each ring.

@@ -19,7 +19,7 @@ class SkySampler(eqx.Module):
     The sun's disc is no part of it: a source so small is sampled by itself.
 
     Attributes:
-        probability: Of each cell; 1 in sum.
+        probability: Probability of each cell; 1 in sum.
         edges: Cosines of the zenith angles between rings, from 1 down to 0.
     """
 
@@ -30,7 +30,7 @@ class SkySampler(eqx.Module):
         """Density in directions [sr⁻¹]; 0 below the horizon.
 
         Args:
-            direction: Unit vectors; x towards the sun, z up.
+            direction: Directions as unit vectors; x towards the sun, z up.
         """
         vectors = as_float(direction)
         x, y, z = jnp.moveaxis(vectors, -1, 0)
@@ -47,8 +47,8 @@ class SkySampler(eqx.Module):
         """Draw directions.
 
         Args:
-            key: Of `jax.random`.
-            shape: How many.
+            key: Key of `jax.random`.
+            shape: Shape of the samples.
 
         Returns:
             Unit vectors, x towards the sun and z up, and their density [sr⁻¹].
@@ -75,7 +75,7 @@ def sky_sampler(
 
     Args:
         dome: The sky.
-        channel: Which is followed; 1 is the luminance of a dome in CIE XYZ.
+        channel: Channel that is followed; 1 is the luminance of a dome in CIE XYZ.
         cosine: Follow the light times the cosine of the zenith angle, for horizontal surfaces.
         floor: Share that is spread evenly over the hemisphere, so that no direction is left out.
 
