@@ -189,6 +189,7 @@ def spectrum_to_rgb(radiance, wavelengths):
     return colour.xyz_to_rgb(colour.spectrum_to_xyz(radiance, wavelengths))
 
 
+@pytest.mark.slow
 def test_at_sunset_the_air_is_yellow_to_the_west_and_bluer_to_the_east():
     # Preetham et al. (1999), figure 8: a half hour before sunset, turbidity 6.
     view = sunset_airlight([1e3, 5e3, 20e3])

@@ -83,6 +83,7 @@ def test_the_numbers_of_a_simulated_aerosol_come_back(found):
     assert found.standard_errors["ground_scale"] == 0
 
 
+@pytest.mark.slow
 def test_fitted_numbers_take_their_places_in_the_campaign(found, campaign):
     fitted = found.campaign(campaign, "haze").build_atmosphere(np.nan)
     depth = np.asarray(fitted.optical_depth()[1])

@@ -120,6 +120,7 @@ def test_orders_of_a_simulation_add_up():
     assert 0.75 < orders[1]["opposite"] / orders[2]["opposite"] < 0.97
 
 
+@pytest.mark.slow
 def test_the_refit_is_near_the_simulation_it_was_made_from():
     rows = {row["model"]: row for row in compare_skies(SUN, 3.0)}
     refit, simulated = rows["refit of the paper's form"], rows["simulated, two orders"]

@@ -1,4 +1,4 @@
-"""A check of a change skips nothing: what a missing program would skip has failed there."""
+"""What `conftest.py` makes of tests: none skipped in a check, slow files first, float64 or not."""
 
 import os
 import subprocess
@@ -26,6 +26,23 @@ peer("a_program_that_nobody_has")
 def test_never_reached():
     pass
 """
+QUICK = """
+import jax, pytest
+
+def test_precision():
+    assert jax.numpy.ones(()).dtype == "float32"
+
+@pytest.mark.float64
+def test_digits():
+    assert jax.numpy.ones(()).dtype == "float64"
+"""
+LONG = """
+import pytest
+
+@pytest.mark.slow
+def test_long():
+    pass
+"""
 EXPECTED_TO_FAIL = """
 import pytest
 
@@ -36,13 +53,18 @@ def test_known():
 
 
 def outcome(where, text, no_skips):
+    return pytest_of(where, {"test_it.py": text}, SKYFIT_NO_SKIPS=no_skips)
+
+
+def pytest_of(where, files, **environment):
     for name in ("conftest.py", "peers.py"):
         (where / name).write_text((HERE / name).read_text())
-    (where / "test_it.py").write_text(text)
-    options = ["-rs", "-q", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir=."]
+    for name, text in files.items():
+        (where / name).write_text(text)
+    options = ["-rs", "-v", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir=."]
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, "test_it.py"],
-        cwd=where, env=os.environ | {"SKYFIT_NO_SKIPS": no_skips}, capture_output=True, text=True,
+        [sys.executable, "-m", "pytest", *options],
+        cwd=where, env=os.environ | environment, capture_output=True, text=True,
     )  # fmt: skip
     return done.returncode, done.stdout
 
@@ -61,3 +83,15 @@ def test_what_a_missing_program_skips_has_failed_where_nothing_may_be_skipped(te
 
 def test_what_is_known_to_fail_is_not_skipped(tmp_path):
     assert outcome(tmp_path, EXPECTED_TO_FAIL, "1")[0] == pytest.ExitCode.OK
+
+
+def test_files_with_slow_tests_come_first(tmp_path):
+    _, said = pytest_of(tmp_path, {"test_a.py": QUICK, "test_b.py": LONG}, SKYFIT_X64="1")
+    assert said.index("test_b.py::test_long PASSED") < said.index("test_a.py::test_digits PASSED")
+    assert "test_a.py::test_precision FAILED" in said
+
+
+def test_without_float64_what_needs_it_is_left_out(tmp_path):
+    code, said = pytest_of(tmp_path, {"test_a.py": QUICK}, SKYFIT_X64="0")
+    assert code == pytest.ExitCode.OK
+    assert "1 passed, 1 deselected" in said
