@@ -23,11 +23,6 @@ from .simulate import simulate
 
 
 TRACEBACK = "SKYFIT_TRACEBACK"  # of the environment
-# Rooms whose own checks raise plain ValueErrors still.
-_TO_COME = [
-    Path(__file__).resolve().parents[1] / room
-    for room in ("fitting", "models", "export", "transfer")
-]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -52,7 +47,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if isinstance(error, OSError) and error.filename is not None:
             return complain(f"{error.filename}: {error.strerror}", MISTAKE)
-        if _is_mistake(error):
+        if isinstance(error, OSError | InputError):
             return complain(str(error), MISTAKE)
         return _admit(error)
 
@@ -73,16 +68,6 @@ for command in (simulate, fit, ladder, export, compare, reproduce, render, bench
 def _one_line(message, category, filename, lineno, file=None, line=None) -> None:
     """A warning as one line on standard error."""
     print(f"skyfit: warning: {message}", file=sys.stderr)  # noqa: T201
-
-
-def _is_mistake(error: Exception) -> bool:
-    """Whether skyfit itself refused something, or the system refused a file."""
-    if isinstance(error, OSError | InputError):
-        return True
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    refused = (last.line or "").startswith("raise ValueError(")
-    room = Path(last.filename).resolve().parent
-    return type(error) is ValueError and refused and room in _TO_COME
 
 
 def _admit(error: Exception) -> int:

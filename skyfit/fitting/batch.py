@@ -21,11 +21,19 @@ from .targets import targets, terms_of
 # A fit to one sky has several minima: it is begun from so many of the distribution's starts.
 SINGLE_SKY_STARTS = 3
 # Share of the loss per squared kink of a free number from node to node.
-SMOOTHNESS = 1e-3
+SMOOTHNESS = 3e-4
+# Relative misfit that the prior takes skies to have in addition to what is found, where links make
+# coefficients that depend on the sun: what follows chromaticities to 0.1 % would else be free to go
+# astray where there are no skies.
+LEAST_MISFIT = 0.07
 # Relative decrease of the objective that ends a fit: of one sky, of coefficients linear in the
 # parameters, of richer formulas, and of those on the way to them.
 SINGLE_RTOL, LINEAR_RTOL, RICH_RTOL, ROUGH_RTOL = 1e-8, 1e-13, 1e-5, 1e-3
 SINGLE_STEPS, MAX_STEPS = 64, 128
+
+# Numbers of terms to which the bases on the way to a rich one are filled up: a program serves all
+# of a size, and those of other formulas with the same distribution.
+_SIZES = (4, 24)
 
 By = Literal["all", "swept", "sky"]
 
@@ -91,9 +99,9 @@ def fit_groups(
     if start is not None:
         path, first = path[-1:], 1
     rows = starts[:, :, None] if start is None else start[None]
-    size = path[-1].num_terms
     solution, used, problem = None, None, None
     for basis in path:
+        size = _filled_size(basis.num_terms, path[-1].num_terms)
         problem = _problem(skies, wanted, groups, basis, centre, formula, settings, size, use)
         along = terms_of(basis, skies)[use]
         free = _numbers_of(along, rows, use, basis, size)
@@ -130,6 +138,11 @@ def _read(problem, basis, solution, used, skies, groups) -> BatchFit:
     )
 
 
+def _filled_size(num_terms: int, last: int) -> int:
+    """Number of terms that a basis is filled up to, on the way to one with `last` terms."""
+    return min([size for size in _SIZES if num_terms <= size < last], default=last)
+
+
 def _problem(skies, wanted, groups, basis, centre, formula, settings, size, use) -> FitProblem:
     """Arrays of a batch; terms are filled up with zeros to `size`, which share a program."""
     padding = groups < 0
@@ -147,6 +160,9 @@ def _problem(skies, wanted, groups, basis, centre, formula, settings, size, use)
     def same(array):
         return as_float(np.broadcast_to(array, (num_channels * num_groups, *array.shape)))
 
+    weight = np.where(padding[..., None], 0.0, wanted.weight[:, groups])
+    least = LEAST_MISFIT if formula.dependence.linked else 0.0
+    floor = (least**2 * (weight**2).sum((2, 3))).ravel()
     constant = np.pad(basis.constant(), (0, size - basis.num_terms))
     centres = constant[:, None] * centre[:, None, :]
     return FitProblem(
@@ -156,8 +172,9 @@ def _problem(skies, wanted, groups, basis, centre, formula, settings, size, use)
         sun_zenith=repeat(skies.sun_zenith),
         terms=repeat(filled),
         target=lanes(wanted.target[:, groups]),
-        weight=lanes(np.where(padding[..., None], 0.0, wanted.weight[:, groups])),
+        weight=lanes(weight),
         pull=same(_pull(formula, settings, basis, terms[use], size)),
+        floor=as_float(floor),
         centre=as_float(np.repeat(centres, num_groups, axis=0)),
         linked=formula.dependence.linked,
         free_scale=wanted.free_scale,

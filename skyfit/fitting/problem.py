@@ -32,6 +32,8 @@ class FitProblem(eqx.Module):
         weight: weight of each relative residual; 0 leaves it out.
         pull: square root of the prior: its rows times the free coordinates' distance from
             `centre`, squared and summed, are the share by which the loss grows.
+        floor: twice the loss that the prior takes the skies to have in addition; 0 where perfect
+            data are to be fitted perfectly.
         centre: free coordinates towards which the prior draws.
         linked: whether links make the coefficients.
         free_scale: whether each sky has a scale of its own, the one that fits best.
@@ -45,6 +47,7 @@ class FitProblem(eqx.Module):
     target: Float[Array, "*lane sky direction"]
     weight: Float[Array, "*lane sky direction"]
     pull: Float[Array, "*lane row term"]
+    floor: Float[Array, "*lane"]
     centre: Float[Array, "*lane term coefficient"]
     linked: bool = eqx.field(static=True)
     free_scale: bool = eqx.field(static=True)
@@ -136,12 +139,13 @@ def linearise(numbers: Float[Array, "term coefficient"], problem: FitProblem) ->
 def objective(free: Float[Array, " free"], problem: FitProblem) -> Float[Array, " residual"]:
     """Residuals of the fit and of the prior: half their sum of squares is minimised.
 
-    The prior multiplies the loss L of the skies, L (1 + |P (u - c)|²), P being `pull`: it decides
-    where the skies do not and vanishes where a fit is perfect.
+    The prior multiplies the loss L of the skies, L + (L + L₀) |P (u - c)|², P being `pull` and L₀
+    half of `floor`: it decides where the skies do not, and where L₀ is 0 it vanishes where a fit is
+    perfect.
     """
     residual, _ = residuals(problem.numbers(free), problem)
     tiny = jnp.finfo(residual.dtype).tiny
-    misfit = jnp.sqrt(jnp.sum(residual**2) + tiny)
+    misfit = jnp.sqrt(jnp.sum(residual**2) + problem.floor + tiny)
     away = _product(problem.pull, problem.rows(free) - problem.centre)
     return jnp.concatenate([residual.ravel(), misfit * away.ravel()])
 
@@ -157,18 +161,19 @@ def normal_equations(
         gram, slope = by_free(problem.distribution, rows, gram, slope)
     size = free.size
     gram, slope = gram.reshape(size, size), slope.ravel()
-    total = jnp.sum(made.residual**2) + jnp.finfo(free.dtype).tiny
+    loss = jnp.sum(made.residual**2)
+    total = loss + problem.floor + jnp.finfo(free.dtype).tiny
     away = rows - problem.centre
     force = _product(problem.pull.T, _product(problem.pull, away)).ravel()
     growth = force @ away.ravel()
     penalty = _product(problem.pull.T, problem.pull)
     count = rows.shape[1]
     spread = penalty[:, None, :, None] * jnp.eye(count, dtype=free.dtype)[None, :, None, :]
-    # The prior's residual is |r| P (u - c): its tangent has a part along that of |r|, rᵀJ / |r|.
+    # The prior's residual is m P (u - c), m² = |r|² + floor: m has the tangent rᵀJ / m.
     cross = force[:, None] * slope[None, :]
     gram = gram + total * spread.reshape(size, size) + cross + cross.T
     gram = gram + growth / total * slope[:, None] * slope[None, :]
-    return 0.5 * total * (1 + growth), gram, slope * (1 + growth) + total * force
+    return 0.5 * (loss + total * growth), gram, slope * (1 + growth) + total * force
 
 
 def by_free(

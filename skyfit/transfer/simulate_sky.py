@@ -8,6 +8,7 @@ from jaxtyping import Array, ArrayLike, Bool, Float
 
 from .._typing import as_float, check, is_traced
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 from .line_classes import orders_with_bands
 from .program import Suns
 from .quality import QUALITIES, Quality, coarser
@@ -98,7 +99,7 @@ def simulate(
     )  # fmt: skip
     if is_traced(sky.by_order, sky.tail):
         if estimate_error:
-            raise ValueError("simulate(estimate_error=True): not inside jit, vmap or grad")
+            raise InputError("simulate(estimate_error=True): not inside jit, vmap or grad")
         return _not_below_zero(sky, atmosphere.solar_irradiance, jnp.asarray(False))
     before = np.asarray(sky.radiance)
     night = np.asarray(sun_zenith, float) > np.pi / 2
@@ -249,22 +250,22 @@ def _checked(value: ArrayLike, name: str, what: str, low=-np.inf, high=np.inf):
 
 def _sizes(orders: int | None, geometry: str, quality: str | Quality) -> Quality:
     if orders is not None and (not isinstance(orders, int) or orders < 1):
-        raise ValueError(
+        raise InputError(
             f"simulate(orders=...): expected 1 or more, or None for all; got {orders!r}"
         )
     if geometry not in ("spherical", "flat", "paper"):
-        raise ValueError(
+        raise InputError(
             f"simulate(geometry=...): expected 'spherical', 'flat' or 'paper'; got {geometry!r}"
         )
     if isinstance(quality, Quality):
         first, higher = quality.first, quality.higher
         if higher.degree > first.degree or higher.modes > first.modes:
-            raise ValueError(
+            raise InputError(
                 "simulate(quality=...): expected degree and modes of `higher` no larger than those "
                 f"of `first`; got {higher.degree}, {higher.modes} and {first.degree}, {first.modes}"
             )
         return quality
     if quality not in QUALITIES:
         names = ", ".join(repr(name) for name in QUALITIES)
-        raise ValueError(f"simulate(quality=...): expected one of {names}; got {quality!r}")
+        raise InputError(f"simulate(quality=...): expected one of {names}; got {quality!r}")
     return QUALITIES[quality]

@@ -6,6 +6,7 @@ import numpy as np
 
 from .._typing import is_traced
 from ..atmosphere import Atmosphere
+from ..errors import InputError
 
 
 class AccuracyWarning(UserWarning):
@@ -32,10 +33,10 @@ def refuse_impossible(radiance: np.ndarray, what: str) -> None:
     """
     if not np.isfinite(radiance).all():
         count = int((~np.isfinite(radiance)).sum())
-        raise ValueError(f"{what}: {count} of {radiance.size} radiances are not finite")
+        raise InputError(f"{what}: {count} of {radiance.size} radiances are not finite")
     if (radiance < 0).any():
         count, least = int((radiance < 0).sum()), float(radiance.min())
-        raise ValueError(
+        raise InputError(
             f"{what}: {count} of {radiance.size} radiances are negative, down to {least:.3g}; "
             "expected 0 or more: a higher quality may simulate this atmosphere"
         )
@@ -75,7 +76,7 @@ def estimated_error(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     """
     if not np.isfinite(coarse).all():
         count = int((~np.isfinite(coarse)).sum())
-        raise ValueError(
+        raise InputError(
             f"simulate: {count} of {coarse.size} radiances at the coarser sizes are not finite; "
             "the error cannot be estimated by them"
         )
