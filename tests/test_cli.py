@@ -13,6 +13,9 @@ import skyfit
 from skyfit import cli, runner
 
 
+pytestmark = pytest.mark.any_precision
+
+
 CAMPAIGN = """
 schema = "skyfit/campaign/1"
 [sweep]

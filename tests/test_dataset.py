@@ -13,6 +13,9 @@ from skyfit import runner
 from skyfit.dataset import campaign_of
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SMALL = skyfit.Campaign(
     turbidity=[2.0, 4.0],
     sun_zenith=np.radians([10.0, 40.0, 70.0]),

@@ -22,6 +22,9 @@ from skyfit.description.mie import angular_functions, mie_optics, number_density
 from skyfit.description.spectra import planck, spectrum_at, sunlight_above
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SIMS = Path(__file__).parent.parent / "sims"
 LAM = np.array([450.0, 550.0, 650.0])
 HEAD = 'schema = "skyfit/campaign/1"\n'

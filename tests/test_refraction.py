@@ -81,6 +81,7 @@ def test_rays_to_the_horizon_touch_the_ground():
     assert np.all(np.abs(lowest) < 0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("altitude", [0.0, 5e3, 40e3])
 def test_sun_appears_where_the_twin_finds_it_and_as_bright(altitude):
     atm = hazy(2.8e-4)
