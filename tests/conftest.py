@@ -9,7 +9,7 @@ import pytest
 
 
 # The whole suite runs in float64, and a silent promotion or broadcast is an error. SKYFIT_X64=0 is
-# for a run without float64, of the tests that are not marked as needing it.
+# for a run without float64, of the tests marked `any_precision` and not `float64`.
 FLOAT64 = os.environ.get("SKYFIT_X64", "1") != "0"
 jax.config.update("jax_enable_x64", FLOAT64)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
@@ -24,9 +24,14 @@ def pytest_collection_modifyitems(config, items):
     long = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: item.path not in long)
     if not FLOAT64:
-        lost = [item for item in items if item.get_closest_marker("float64")]
-        config.hook.pytest_deselected(items=lost)
-        items[:] = [item for item in items if item not in set(lost)]
+        kept = [item for item in items if holds_in_float32(item)]
+        config.hook.pytest_deselected(items=[item for item in items if item not in set(kept)])
+        items[:] = kept
+
+
+def holds_in_float32(item):
+    marks = {mark.name for mark in item.iter_markers()}
+    return "any_precision" in marks and not marks & {"float64", "slow"}
 
 
 def fails_if_skipped(report):

@@ -16,6 +16,9 @@ from skyfit.aerial.layers import exponential_layers
 from skyfit.aerial.source import sky_directions, sunlight_at_ground
 
 
+pytestmark = pytest.mark.any_precision
+
+
 LEVEL = np.pi / 2
 SUN = np.radians(60.0)
 
@@ -53,6 +56,7 @@ def test_light_is_seen_unchanged_from_no_distance(aerial):
     np.testing.assert_array_equal(aerial.apply(light0, 0.0, LEVEL, 0.3, 100.0), light0)
 
 
+@pytest.mark.float64
 def test_a_level_transmittance_is_beers_law(aerial, air):
     beta = np.asarray(air.extinction).sum(axis=0)
     seen = aerial.transmittance(20e3, LEVEL)
@@ -83,6 +87,7 @@ def test_values_and_gradients_are_finite_everywhere(aerial, method):
     assert np.isfinite([value, *slopes]).all()
 
 
+@pytest.mark.float64
 def test_ward_larsons_model_fades_into_one_colour(air):
     model = skyfit.ward_larson_aerial(air, even_sky, SUN)
     beta = np.asarray(air.extinction).sum(axis=0)
@@ -166,6 +171,7 @@ def test_a_turbidity_brings_the_papers_scale_heights():
     np.testing.assert_allclose(model.layers.extinction, air.extinction)
 
 
+@pytest.mark.float64
 def test_other_profiles_are_replaced_by_exponentials_of_the_same_column():
     air = skyfit.preetham_atmosphere(3.0, wavelengths=[550.0], ozone=True)
     found = exponential_layers(air)

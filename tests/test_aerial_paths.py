@@ -9,6 +9,9 @@ from skyfit.aerial import closed, integrals, layers
 from skyfit.preetham_air import haze_scattering, rayleigh_scattering
 
 
+pytestmark = pytest.mark.any_precision
+
+
 WAVELENGTHS = np.array([400.0, 550.0, 700.0])
 GAUSS = np.polynomial.legendre.leggauss(8)
 
@@ -70,6 +73,7 @@ def test_quadrature_is_within_a_thousandth_for_every_ray(turbidity, height):
     np.testing.assert_allclose(layers.transmittance(air, ray), seen, rtol=1e-9, atol=1e-8)
 
 
+@pytest.mark.float64
 def test_light_lost_by_scattering_is_the_light_that_is_scattered():
     # Σ β_i I_i = 1 - τ, since the left side is the integral of -dτ/dx.
     air, ray, _, seen = case(3.0, DEGREES, DISTANCES, 100.0)
@@ -117,6 +121,7 @@ def test_the_hermite_form_diverges_with_right_slopes_and_stays_bounded_with_wron
     assert light_error(closed.by_hermite, 3.0, [0, 45, 80], [1e4, 5e4, 1e6]).max() < 0.35
 
 
+@pytest.mark.float64
 def test_the_hermite_form_is_the_papers_antiderivative():
     # Appendix A.4 with K > 0, for a ray where its powers of 1/K cancel least.
     air, ray, _, _ = case(6.0, [80], [2e4], 0.0)

@@ -6,6 +6,9 @@ import pytest
 from skyfit.angles import cos_view_sun_angle, unit_vector, view_sun_angle
 
 
+pytestmark = pytest.mark.any_precision
+
+
 RNG = np.random.default_rng(7)
 # Generic directions; a few suns stand below the horizon.
 VIEW, SUN, AZIMUTH = (jnp.asarray(RNG.uniform(0, top, 200)) for top in (3.1, 2.0, 6.2))
@@ -13,16 +16,19 @@ AT_THE_SUN, OPPOSITE = (0.7, 0.7, 0.0), (np.pi - 0.7, 0.7, np.pi)
 SPECIAL = [AT_THE_SUN, OPPOSITE, (0.0, 0.7, 0.3), (np.pi / 2, 0.7, 0.3), (0.4, 0.0, 0.3)]
 
 
+@pytest.mark.float64
 def test_in_the_suns_plane_zenith_angles_subtract_on_its_side_and_add_on_the_other():
     view, sun = jnp.array(0.9), jnp.array(0.25)
     np.testing.assert_allclose(view_sun_angle(view, sun, jnp.array(0.0)), 0.65, rtol=1e-14)
     np.testing.assert_allclose(view_sun_angle(view, sun, jnp.array(np.pi)), 1.15, rtol=1e-14)
 
 
+@pytest.mark.float64
 def test_seen_at_the_zenith_the_angle_to_the_sun_is_its_zenith_angle():
     np.testing.assert_allclose(view_sun_angle(jnp.array(0.0), SUN, AZIMUTH), SUN, rtol=1e-14)
 
 
+@pytest.mark.float64
 def test_the_cosine_is_that_of_the_angle_between_unit_vectors():
     view, sun = unit_vector(VIEW, AZIMUTH), unit_vector(SUN, jnp.zeros(200))
     want = jnp.sum(view * sun, axis=-1)
@@ -35,6 +41,7 @@ def test_the_sky_is_mirrored_about_the_suns_plane():
     np.testing.assert_array_equal(left, right)
 
 
+@pytest.mark.float64
 def test_unit_vectors_have_z_up_and_x_at_azimuth_zero():
     angle = jnp.array([0.0, np.pi / 2, np.pi / 2])
     azimuth = jnp.array([0.3, 0.0, np.pi / 2])
@@ -67,6 +74,7 @@ def test_gradients_are_finite_in_special_directions(function, point):
     assert np.all(np.isfinite(gradient))
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize("function", [view_sun_angle, cos_view_sun_angle])
 def test_gradients_agree_with_differences(function):
     args = (VIEW, SUN, AZIMUTH)

@@ -8,6 +8,9 @@ from skyfit import phase, profile
 from skyfit.atmosphere import Atmosphere, Constituent
 
 
+pytestmark = pytest.mark.any_precision
+
+
 WAVELENGTHS = [450.0, 550.0, 650.0]
 AIR = Constituent(profile.Exponential(8e3), [2.7e-5, 1.2e-5, 6.1e-6], phase=phase.Rayleigh())
 HAZE = Constituent(
@@ -23,12 +26,14 @@ def atmosphere(**changes):
     return Atmosphere(**(takes | changes))
 
 
+@pytest.mark.float64
 def test_extinction_is_scattering_plus_absorption():
     want = [[2.7e-5, 1.2e-5, 6.1e-6], [5e-5, 6e-5, 8e-5]]
     np.testing.assert_allclose(atmosphere().extinction, want, rtol=1e-14)
     np.testing.assert_allclose(atmosphere().scattering[1], 4e-5, rtol=1e-14)
 
 
+@pytest.mark.float64
 def test_optical_depth_is_coefficient_times_column():
     air = 8e3 * (1 - np.exp(-60 / 8))
     haze = 1e3 * 0.75 + 2e3 * 0.25
@@ -37,11 +42,13 @@ def test_optical_depth_is_coefficient_times_column():
     np.testing.assert_allclose(atmosphere().optical_depth(), want, rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_the_lower_the_top_the_thinner_the_air():
     column = atmosphere(top_altitude=10e3).vertical_column()
     np.testing.assert_allclose(column[0], 8e3 * (1 - np.exp(-10 / 8)), rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_there_is_nothing_above_the_top():
     altitude = jnp.array([0.0, 2e3, 60e3, 60e3 + 1e-3])
     want = np.exp(-np.array([0, 2e3, 60e3, np.inf]) / 8e3)
@@ -50,11 +57,13 @@ def test_there_is_nothing_above_the_top():
     np.testing.assert_allclose(density[:, 1], [1, 0.25, 0, 0], atol=1e-15)
 
 
+@pytest.mark.float64
 def test_an_atmospheres_methods_can_be_jitted_as_they_are():
     got = jax.jit(atmosphere().density)(jnp.array(2e3))
     np.testing.assert_allclose(got, [np.exp(-0.25), 0.25], rtol=1e-14)
 
 
+@pytest.mark.float64
 def test_one_value_stands_for_all_wavelengths():
     air = atmosphere(ground_albedo=0.3)
     np.testing.assert_array_equal(air.ground_albedo, [0.3, 0.3, 0.3])

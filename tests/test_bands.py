@@ -7,6 +7,9 @@ from peers import peer
 from skyfit.campaign.description.bands import mixed_gas_bands, water_vapour_bands
 
 
+pytestmark = pytest.mark.any_precision
+
+
 PUBLISHED = peer("pvlib.spectrum.spectrl2")._SPECTRL2_COEFFS
 VISIBLE = PUBLISHED[(PUBLISHED["wavelength"] >= 570) & (PUBLISHED["wavelength"] <= 800)]
 AIRMASS = np.array([1.0, 2.0, 5.0, 10.0, 38.0])
@@ -66,6 +69,7 @@ def test_there_is_no_absorption_beside_the_bands():
     assert (mixed_gas_bands([550.0, 680.0, 745.0, 780.0], 8e3).absorption == 0).all()
 
 
+@pytest.mark.float64
 def test_classes_of_lines_share_the_spectrum():
     vapour, gases = water_vapour_bands([720.0], 0.02, 2e3), mixed_gas_bands([760.0], 8e3)
     np.testing.assert_allclose(vapour.weights.sum(), 1, rtol=1e-12)

@@ -8,6 +8,9 @@ import pytest
 import skyfit
 
 
+pytestmark = pytest.mark.any_precision
+
+
 LAM = np.array([550.0, 690.0, 720.0])
 FILE = """
 schema = "skyfit/campaign/1"

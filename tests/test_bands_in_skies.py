@@ -15,6 +15,9 @@ from skyfit.render.sun_disc import disc_radiance
 from skyfit.transfer.line_classes import line_classes, side_by_side
 
 
+pytestmark = pytest.mark.any_precision
+
+
 LAM = np.array([550.0, 690.0, 720.0])
 BANDED = [1, 2]
 ALBEDO, SUN = np.array([0.1, 0.3, 0.5]), np.array([1.9, 1.5, 1.4])

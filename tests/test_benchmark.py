@@ -12,6 +12,9 @@ from skyfit.benchmark import run
 from skyfit.benchmark.case import Case, measure
 
 
+pytestmark = pytest.mark.any_precision
+
+
 TINY = Case(1, quality="draft", suns=2, rings=2, spokes=3, wavelengths=4, repeats=2)
 
 

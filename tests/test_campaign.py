@@ -10,6 +10,9 @@ import skyfit
 from skyfit.campaign import half_dome
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SIMS = Path(__file__).parent.parent / "sims"
 HEAD = 'schema = "skyfit/campaign/1"\n'
 

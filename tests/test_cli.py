@@ -15,6 +15,9 @@ from skyfit import cli
 from skyfit.dataset import runner
 
 
+pytestmark = pytest.mark.any_precision
+
+
 CAMPAIGN = """
 schema = "skyfit/campaign/1"
 [sweep]

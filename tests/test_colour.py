@@ -19,11 +19,15 @@ from skyfit.colour import (
 )
 
 
+pytestmark = pytest.mark.any_precision
+
+
 FULL = np.arange(300.0, 831.0, 5.0)
 # Colours of clear skies, a sunset and the D65 white
 COLOURS = np.array([[0.24, 0.25, 3e3], [0.27, 0.28, 1e4], [0.45, 0.41, 50.0], [0.3127, 0.329, 1.0]])
 
 
+@pytest.mark.float64
 def test_one_watt_of_green_light_is_683_lumens():
     # A narrow line at 555 nm: K_m times a band of 1e-3 nm, where V(λ) is 1.
     line = [555 - 1e-3, 555.0, 555 + 1e-3]
@@ -61,6 +65,7 @@ def test_weights_do_not_depend_on_how_finely_a_smooth_spectrum_is_sampled():
     )
 
 
+@pytest.mark.float64
 def test_d65_white_of_one_candela_is_one_one_one():
     np.testing.assert_allclose(xyz_to_rgb(xyY_to_xyz([0.3127, 0.3290, 1.0])), [1, 1, 1], atol=1e-14)
 
@@ -81,18 +86,21 @@ def test_red_primary_of_srgb_has_its_chromaticity():
     )
 
 
+@pytest.mark.float64
 def test_colours_come_back_through_every_pair_of_conversions():
     xyz = xyY_to_xyz(COLOURS)
     np.testing.assert_allclose(xyz_to_xyY(xyz), COLOURS, rtol=1e-13)
     np.testing.assert_allclose(rgb_to_xyz(xyz_to_rgb(xyz)), xyz, rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_black_is_black_and_has_finite_gradients():
     np.testing.assert_array_equal(xyz_to_xyY([0.0, 0.0, 0.0]), [0.3127, 0.329, 0.0])
     assert np.all(np.isfinite(jax.jacrev(xyz_to_xyY)(jnp.zeros(3))))
     assert np.all(np.isfinite(jax.jacrev(xyY_to_xyz)(jnp.zeros(3))))
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize("colour", COLOURS[:2])
 def test_daylight_spectra_have_the_luminance_and_chromaticity_asked_for(colour):
     back = spectrum_to_xyY(daylight_radiance(colour, FULL), FULL)

@@ -12,6 +12,9 @@ import skyfit
 from skyfit.dataset import campaign_of, runner
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SMALL = skyfit.Campaign(
     turbidity=[2.0, 4.0],
     sun_zenith=np.radians([10.0, 40.0, 70.0]),

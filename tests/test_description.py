@@ -22,6 +22,9 @@ from skyfit.campaign.description.spectra import planck, spectrum_at, sunlight_ab
 from skyfit.constants import ASTRONOMICAL_UNIT, SUN_RADIUS
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SIMS = Path(__file__).parent.parent / "sims"
 LAM = np.array([450.0, 550.0, 650.0])
 HEAD = 'schema = "skyfit/campaign/1"\n'

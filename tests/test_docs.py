@@ -10,6 +10,9 @@ import skyfit
 from skyfit.cli import commands
 
 
+pytestmark = pytest.mark.any_precision
+
+
 DOCS = Path(__file__).parent.parent / "docs"
 # Other files of the repository that are shown as pages have tests of their own.
 PAGES = sorted(page for page in DOCS.rglob("*.md") if page.resolve().is_relative_to(DOCS.resolve()))

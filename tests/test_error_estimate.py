@@ -15,6 +15,9 @@ from skyfit.error_estimate import estimate_of, sampled_skies
 from skyfit.transfer.trust import AccuracyWarning, estimated_error
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SMALL = skyfit.Campaign(
     turbidity=[2.0, 3.0, 4.0],
     sun_zenith=np.radians([10.0, 30.0, 50.0, 70.0]),

@@ -12,6 +12,9 @@ from skyfit.sun import Irradiance, clear_sky_irradiance
 from skyfit.sun.light import air_mass
 
 
+pytestmark = pytest.mark.any_precision
+
+
 # gendaylit 2.5 of RADIANCE (pyradiance 1.3.1), `-ang H 0 -W DIRECT DIFFUSE -O 2`: elevation of the
 # sun, irradiances, its factor [cd/m²], a to e. It takes the sun of the year's day 0, 3.5 % above
 # its mean, and sums the sky over 145 patches.
@@ -101,6 +104,7 @@ def test_the_clear_irradiance_ends_with_the_day():
     np.testing.assert_array_equal(diffuse[1:], 0)
 
 
+@pytest.mark.float64
 def test_the_clear_all_weather_sky_is_the_one_of_its_irradiance():
     irradiance = clear_sky_irradiance(3.0, 0.9)
     want = perez_all_weather_sky(*irradiance).xyY(0.9, [0.2, 1.1], 0.5)

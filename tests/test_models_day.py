@@ -13,6 +13,9 @@ from skyfit.colour import xyY_to_xyz
 from skyfit.models import cie_overcast_sky, day_course, day_sky, preetham_sky
 
 
+pytestmark = pytest.mark.any_precision
+
+
 def printed_zenith(turbidity, sun):
     """The shader's Yz / Y0, as it stands."""
 
@@ -23,6 +26,7 @@ def printed_zenith(turbidity, sun):
     return kilo(sun) / kilo(0.0)
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize("turbidity", [2.0, 5.0])
 def test_the_zenith_is_normalised_by_that_of_an_overhead_sun(turbidity):
     suns = np.array([0.0, 0.5, 1.0, 1.5])
@@ -31,6 +35,7 @@ def test_the_zenith_is_normalised_by_that_of_an_overhead_sun(turbidity):
     np.testing.assert_allclose(got[0], 1.0, rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_colours_and_proportions_are_those_of_the_published_sky():
     angles = np.random.default_rng(5).uniform(0.0, [1.5, 1.5, 6.0], (20, 3)).T
     day, sky = day_sky(3.0), preetham_sky(3.0)
@@ -39,6 +44,7 @@ def test_colours_and_proportions_are_those_of_the_published_sky():
     np.testing.assert_allclose(shown[:, 2] * float(day.white), published[:, 2], rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_unit_vectors_and_angles_give_the_same_light():
     sun, view, azimuth = jnp.asarray([0.9]), jnp.asarray([0.6]), jnp.asarray([1.0])
     got = day_sky(3.0).xyz(unit_vector(view, azimuth), unit_vector(sun, 0 * sun))
@@ -82,6 +88,7 @@ def test_gradients_are_finite_from_noon_to_night():
     assert np.isfinite(jax.jit(jax.vmap(jax.grad(shown)))(at)).all()
 
 
+@pytest.mark.float64
 def test_turbidity_broadcasts():
     got = day_sky(np.array([2.0, 4.0])).xyY(0.5, np.array([[0.1], [0.9]]), 0.0)
     np.testing.assert_allclose(got[1, 0], day_sky(2.0).xyY(0.5, 0.9, 0.0), rtol=1e-12)

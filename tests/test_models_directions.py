@@ -9,11 +9,15 @@ from skyfit.angles import unit_vector, view_sun_angle
 from skyfit.models.directions import align, angle_between, combine, components, in_pieces
 
 
+pytestmark = pytest.mark.any_precision
+
+
 def vectors(seed, count):
     v = np.random.default_rng(seed).standard_normal((count, 3))
     return v / np.linalg.norm(v, axis=1)[:, None]
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize(("dtype", "tolerance"), [(jnp.float32, 4e-7), (jnp.float64, 2e-14)])
 def test_angle_is_that_of_the_haversine_form(dtype, tolerance):
     rng = np.random.default_rng(1)
@@ -37,6 +41,7 @@ def test_small_angles_keep_their_digits_in_float32(offset):
     np.testing.assert_allclose(angle, offset, rtol=1e-5)
 
 
+@pytest.mark.float64
 def test_gradient_is_finite_where_vectors_meet_and_oppose():
     def angle(v, s):
         return angle_between(components(v), components(s))[0]
@@ -51,6 +56,7 @@ def test_gradient_is_finite_where_vectors_meet_and_oppose():
     np.testing.assert_allclose(jax.grad(angle)(near, sun) @ away, 1, rtol=1e-6)
 
 
+@pytest.mark.float64
 def test_components_and_combinations_are_exact():
     v = jnp.asarray(vectors(2, 24).reshape(4, 6, 3))
     x, y, z = components(v)

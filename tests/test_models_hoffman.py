@@ -12,6 +12,9 @@ from skyfit.colour import rgb_to_xyz
 from skyfit.models import hoffman
 
 
+pytestmark = pytest.mark.any_precision
+
+
 ZENITH, LEVEL = 0.0, np.pi / 2
 SUN = np.radians(60.0)
 
@@ -95,6 +98,7 @@ def test_the_sky_is_blue_by_day_and_red_round_a_low_sun():
     assert red > green > blue
 
 
+@pytest.mark.float64
 def test_air_before_an_object_follows_equation_4(model):
     air = skyfit.hoffman_preetham_aerial(model, SUN)
     view, azimuth, s = np.radians(80.0), 0.5, 5e3
@@ -111,6 +115,7 @@ def test_air_before_an_object_follows_equation_4(model):
                                light + seen * [1, 2, 3], rtol=1e-9)  # fmt: skip
 
 
+@pytest.mark.float64
 def test_the_sky_at_the_end_of_the_haze_is_the_air_before_an_object(model):
     # Within the inner shell sky and aerial perspective are one formula.
     shallow = skyfit.hoffman_preetham_sky(haze="light haze", haze_absorption=1e-5)

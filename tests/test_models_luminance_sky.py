@@ -18,6 +18,9 @@ from skyfit.models import (
 )
 
 
+pytestmark = pytest.mark.any_precision
+
+
 HORIZON = np.pi / 2
 SKIES = {
     "clear": lambda: cie_clear_sky(3.0),
@@ -114,6 +117,7 @@ def test_float32_is_within_a_ten_thousandth(make):
     np.testing.assert_allclose(got, want, rtol=1e-4)
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize("make", [SKIES["clear"], SKIES["intermediate"]])
 def test_many_directions_are_one_program(make):
     sky = make()

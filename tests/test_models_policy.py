@@ -16,6 +16,9 @@ from skyfit.models import AbstractSkyModel, preetham_sky
 from skyfit.models.domes import distribution_from
 
 
+pytestmark = pytest.mark.any_precision
+
+
 def formulas():
     """Every model of the table that is a formula, and one of the ladder."""
     at = Conditions(sun_zenith=0.8, turbidity=3.0)
@@ -84,6 +87,7 @@ def test_nothing_jumps_at_sunset_or_at_the_horizon(name):
         np.testing.assert_allclose(below, above, rtol=1e-4, atol=nothing)
 
 
+@pytest.mark.float64
 @EACH
 def test_light_fades_at_night(name):
     sky = FORMULAS[name]

@@ -11,6 +11,9 @@ from skyfit.models import preetham_sky
 from skyfit.models.preetham import published_coefficients, published_zenith_chromaticity
 
 
+pytestmark = pytest.mark.any_precision
+
+
 # Spectral radiance [W m^-2 sr^-1 nm^-1] at T = 2.53 and 559.75 nm of the Preetham model in E.
 # Bruneton's clear-sky-models (BSD licence), a program of its own: sun zenith, view zenith and
 # relative azimuth in degrees.
@@ -34,6 +37,7 @@ def test_radiance_agrees_with_another_program(sun, view, azimuth, want):
     np.testing.assert_allclose(got, want, rtol=5e-4)
 
 
+@pytest.mark.float64
 def test_coefficients_at_turbidity_two_are_those_of_the_paper():
     # Appendix A.2 by hand: slope times 2 plus intercept
     want = {
@@ -53,6 +57,7 @@ def test_tables_come_in_the_order_of_x_y_and_luminance():
     np.testing.assert_array_equal(y[2], [0.15346, -0.26756, 0.06670, 0.26688])
 
 
+@pytest.mark.float64
 def test_zenith_luminance_is_the_printed_formula():
     # T = 3, θₛ = 60°: χ = (4/9 - 3/120) π/3 = 0.439241, tan χ = 0.469854
     kilo = (4.0453 * 3 - 4.9710) * np.tan((4 / 9 - 3 / 120) * np.pi / 3) - 0.2155 * 3 + 2.4192
@@ -61,6 +66,7 @@ def test_zenith_luminance_is_the_printed_formula():
     np.testing.assert_allclose(got, 1000 * kilo, rtol=1e-12)
 
 
+@pytest.mark.float64
 def test_zenith_chromaticity_is_the_printed_matrix():
     # T = 2, θₛ = 1: rows summed, x = 4(0.0) + 2(0.00666) + 0.22434, from the five-decimal matrix
     x = 4 * (0.00166 - 0.00375 + 0.00209) + 2 * (-0.02903 + 0.06377 - 0.03202 + 0.00394)
@@ -115,6 +121,7 @@ def test_impossible_turbidity_is_refused_under_jit():
         jax.jit(lambda t: preetham_sky(t).xyY(0.5, 0.3, 0.1))(0.5).block_until_ready()
 
 
+@pytest.mark.float64
 def test_methods_go_into_jit_as_they_are_one_model_apart_from_another():
     for turbidity in (3.0, 5.0):
         model = preetham_sky(turbidity)

@@ -8,6 +8,9 @@ from skyfit import profile
 from skyfit.constants import TOP_OF_ATMOSPHERE
 
 
+pytestmark = pytest.mark.any_precision
+
+
 # Density [kg m⁻³] at geometric altitude [m]: U.S. Standard Atmosphere 1976, table I, as printed.
 PRINTED = {
     0.0: 1.2250,
@@ -54,6 +57,7 @@ def test_the_standard_atmosphere_is_continuous_across_its_layers():
         np.testing.assert_allclose(high, low, rtol=2e-5)
 
 
+@pytest.mark.float64
 def test_the_standard_atmosphere_thins_out_for_ever():
     rho = density(profile.StandardAtmosphere(), jnp.linspace(0, 1e6, 2001))
     assert np.all(np.diff(rho) < 0)
@@ -67,6 +71,7 @@ def test_the_air_above_the_ground_is_as_heavy_as_the_ground_pressure():
     np.testing.assert_allclose(air, 101325 / (1.2250 * 9.80665), rtol=3e-3)
 
 
+@pytest.mark.float64
 def test_the_standard_column_is_that_of_a_fine_sum():
     altitude = (np.arange(60000) + 0.5) * 1.0
     want = np.sum(density(profile.StandardAtmosphere(), altitude))
@@ -79,24 +84,28 @@ def test_eltermans_column_is_1580_metres_of_ground_density():
     np.testing.assert_allclose(column(profile.elterman_haze(), 60e3), 1581.690, rtol=1e-6)
 
 
+@pytest.mark.float64
 def test_eltermans_haze_falls_as_printed_and_ends_at_32_km():
     altitude = jnp.array([0.0, 1e3, 2.5e3, 10e3, 32e3, 32e3 + 1e-6, 40e3])
     want = [1, 0.106 / 0.24, (0.0456 + 0.0191) / 0.48, 4.82e-3 / 0.24, 1.11e-4 / 0.24, 0, 0]
     np.testing.assert_allclose(density(profile.elterman_haze(), altitude), want, rtol=1e-11)
 
 
+@pytest.mark.float64
 def test_an_exponential_falls_by_e_with_every_scale_height():
     altitude = jnp.array([0.0, 1200.0, 2400.0])
     want = [1, 0.36787944117144233, 0.1353352832366127]
     np.testing.assert_allclose(density(profile.Exponential(1200.0), altitude), want, rtol=1e-15)
 
 
+@pytest.mark.float64
 def test_the_column_of_an_exponential_is_its_scale_height():
     # 1 - e^{-50}; 200 m is the thinnest layer the docstring promises.
     for height in (200.0, 1200.0):
         np.testing.assert_allclose(column(profile.Exponential(height), 60e3), height, rtol=1e-9)
 
 
+@pytest.mark.float64
 def test_a_table_is_linear_inside_constant_below_and_nothing_above():
     rho = profile.Tabulated([100.0, 200.0, 400.0], [0.4, 1.0, 0.5])
     altitude = jnp.array([0.0, 100.0, 125.0, 300.0, 400.0, 400.1])
@@ -126,6 +135,7 @@ def test_profiles_answer_in_the_shape_of_the_altitude(rho):
     assert density(rho, jnp.ones((2, 1, 3))).shape == (2, 1, 3)
 
 
+@pytest.mark.float64
 @names
 def test_a_profile_and_its_methods_can_be_jitted_and_vmapped_as_they_are(rho):
     altitude = jnp.array([0.0, 2718.0])
@@ -148,6 +158,7 @@ def test_profiles_in_float32_are_within_rounding_of_float64(rho):
     np.testing.assert_allclose(got, want, rtol=3e-6, atol=3e-7)
 
 
+@pytest.mark.float64
 @names
 def test_gradients_are_finite_and_agree_with_differences_between_knots(rho):
     altitude = jnp.array([2718.0, 15e3, 0.0, 1e3, 11e3, 32e3, 60e3])
@@ -161,6 +172,7 @@ def test_gradients_are_finite_and_agree_with_differences_between_knots(rho):
         np.testing.assert_allclose(slope[1], want[1], rtol=1e-6)
 
 
+@pytest.mark.float64
 def test_density_rises_with_the_scale_height_as_the_derivative_says():
     slope = jax.grad(lambda height: profile.Exponential(height)(2e3))(8e3)
     np.testing.assert_allclose(slope, np.exp(-0.25) * 2e3 / 8e3**2, rtol=1e-14)

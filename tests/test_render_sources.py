@@ -71,6 +71,7 @@ def test_pixels_between_the_grids_directions_are_the_simulations(from_ground):
     assert found == pytest.approx(light, rel=4e-3)
 
 
+@pytest.mark.slow
 def test_beside_the_sun_the_phase_function_keeps_its_cusp(from_ground):
     # The table of the haze begins at 1°; rings are several degrees apart.
     near = np.stack([direction_of(SUN, 0.0), direction_of(SUN, math.radians(5.0))])
@@ -93,6 +94,7 @@ def test_from_space_pixels_are_the_simulations_too(from_space):
     assert found[1] == pytest.approx(light[1], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_from_space_the_planet_ends_at_its_horizon_and_the_air_at_its_limb(from_space):
     source = from_space
     horizon = math.asin(6360 / 6760)
@@ -109,6 +111,7 @@ def test_from_space_the_planet_ends_at_its_horizon_and_the_air_at_its_limb(from_
     assert source.sun_xyz(math.pi - horizon + 0.01)[1] == 0
 
 
+@pytest.mark.slow
 def test_rendering_from_space_shows_the_planet_below(from_space):
     tilt = math.asin(from_space.horizon())
     camera = Perspective(32, 24, azimuth=0.4, elevation=tilt, altitude=4e5)

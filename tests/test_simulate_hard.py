@@ -139,6 +139,7 @@ def test_the_error_estimate_is_there_on_request_and_of_a_size_with_the_error():
     assert np.max(sky.error_estimate) < 1e-2
 
 
+@pytest.mark.slow
 def test_a_low_top_is_warned_of_after_sunset():
     atm = skyfit.preetham_atmosphere(2.0, wavelengths=[550.0])
     # The shadow overhead is 35 km high; air falls by e in 8 km, so above 60 km is e^{-25/8} of it.
@@ -214,6 +215,7 @@ def test_no_directions_are_no_radiances(orders, estimate_error):
     assert sky.by_order.shape == (orders or 2, 2, 0, 1)
 
 
+@pytest.mark.slow
 def test_refraction_that_is_left_out_is_said_to_be():
     air = Constituent(profile.Exponential(8e3), 1.2e-5, phase=phase.Rayleigh())
     bent = skyfit.Refraction(2.8e-4, air.density)

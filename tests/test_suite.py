@@ -29,6 +29,8 @@ def test_never_reached():
 QUICK = """
 import jax, pytest
 
+pytestmark = pytest.mark.any_precision
+
 def test_precision():
     assert jax.numpy.ones(()).dtype == "float32"
 
@@ -92,6 +94,7 @@ def test_files_with_slow_tests_come_first(tmp_path):
 
 
 def test_without_float64_what_needs_it_is_left_out(tmp_path):
-    code, said = pytest_of(tmp_path, {"test_a.py": QUICK}, SKYFIT_X64="0")
+    code, said = pytest_of(tmp_path, {"test_a.py": QUICK, "test_b.py": LONG}, SKYFIT_X64="0")
     assert code == pytest.ExitCode.OK
-    assert "1 passed, 1 deselected" in said
+    assert "test_a.py::test_precision PASSED" in said
+    assert "1 passed, 2 deselected" in said

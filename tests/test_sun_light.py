@@ -17,6 +17,9 @@ from skyfit.sun import light
 from skyfit.tables import read_table
 
 
+pytestmark = pytest.mark.any_precision
+
+
 HORIZON = np.pi / 2
 # ASTM G173-03: aerosol optical depth 0.084 at 500 nm, 0.34 cm of ozone, 1.42 cm of water, air mass
 # 1.5. Ångström's β = 0.084 · 0.5^1.3 is turbidity (β + 0.04586) / 0.04608 = 1.736.
@@ -40,6 +43,7 @@ def as_printed(turbidity, zenith, row):
     return at["sun_W_m-2_nm-1_sr-1"] * rayleigh * haze * ozone * gas * water
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize(("turbidity", "zenith"), [(1.0, 0.0), (2.0, 0.7), (6.0, 1.4)])
 def test_radiance_is_the_papers_product_of_transmittances(turbidity, zenith):
     rows = [2, 17, 30, 34, 36]  # 400, 550, 680, 720 and 740 nm
@@ -128,6 +132,7 @@ def test_gradients_are_finite_with_the_sun_anywhere(darkened):
         assert np.isfinite(gradient(2.0, zenith, distance)).all()
 
 
+@pytest.mark.float64
 def test_half_of_the_disc_is_above_the_horizon_when_its_centre_is_on_it():
     radius = SUN_ANGULAR_RADIUS
     zenith = jnp.asarray([HORIZON - radius / 2, HORIZON, HORIZON + radius / 2])

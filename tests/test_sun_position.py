@@ -13,6 +13,9 @@ from skyfit import sun_position
 from skyfit.sun import almanac
 
 
+pytestmark = pytest.mark.any_precision
+
+
 SITES = [(0.0, 0.0), (40.0, -105.0), (-35.0, 149.0), (65.0, 25.0), (-64.0, -60.0), (20.0, 175.0)]
 
 
@@ -90,6 +93,7 @@ def test_days_are_counted_by_the_gregorian_calendar(date, days):
     assert almanac.days_since_2000(year, day) == days == (stamp - pd.Timestamp("2000-01-01")).days
 
 
+@pytest.mark.float64
 def test_the_papers_formulas_by_hand():
     # Day 172, 50° N on the standard meridian, 12 h: declination 0.4093 sin(2π 91/368) = 0.40929,
     # equation of time 0.170 sin(4π 92/373) - 0.129 sin(2π 164/355) = -0.0233 h.
@@ -119,6 +123,7 @@ def test_east_of_the_meridian_the_clock_is_behind_the_sun(method, extra):
     np.testing.assert_allclose(east, later, atol=1e-12 if method == "paper" else 2e-4)
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize(("method", "extra"), [("paper", {}), ("almanac", {"year": 2024.0})])
 def test_derivatives_are_finite_and_right(method, extra):
     @jax.jit

@@ -22,6 +22,9 @@ from skyfit.surfaces import (
 from skyfit.surfaces.harmonics import cosine_share
 
 
+pytestmark = pytest.mark.any_precision
+
+
 def directions(count, seed=1):
     vectors = np.random.default_rng(seed).normal(size=(count, 3))
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
@@ -38,6 +41,7 @@ def test_the_first_nine_are_those_of_the_irradiance_paper():
     np.testing.assert_allclose(real_harmonics(directions(20)), np.stack(want, -1), atol=3e-6)
 
 
+@pytest.mark.float64
 def test_harmonics_are_orthonormal_over_the_sphere():
     mu, weight = np.polynomial.legendre.leggauss(12)
     around = (np.arange(24) + 0.5) * np.pi / 12
@@ -53,6 +57,7 @@ def test_the_clamped_cosine_keeps_the_published_shares():
     np.testing.assert_allclose([cosine_share(degree) for degree in range(7)], want, atol=1e-15)
 
 
+@pytest.mark.float64
 def test_coefficients_of_a_uniform_sky_by_hand():
     # Half a sphere of 1: 2π Y00, and ∫ √(3/4π) cos θ dω = π √(3/4π).
     dome = Dome(jnp.ones((16, 32, 1)), jnp.asarray(0.5))

@@ -5,6 +5,9 @@ from skyfit import tables
 from skyfit.tables import read_table
 
 
+pytestmark = pytest.mark.any_precision
+
+
 # Each column of the documents, added up with its row numbers as weights: one wrong digit shows,
 # and so do two values that have changed places.
 CHECKSUMS = {
