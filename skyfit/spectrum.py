@@ -29,8 +29,8 @@ def product_weights(
     their nodes. So a coarse grid costs only what the spectrum itself loses between its wavelengths.
 
     Args:
-        wavelengths: Of the spectrum, increasing [nm].
-        nodes: Of the curves, increasing [nm].
+        wavelengths: Wavelengths of the spectrum, increasing [nm].
+        nodes: Wavelengths of the curves, increasing [nm].
         curves: Values of each curve at the nodes.
     """
     edges = jnp.sort(jnp.concatenate([wavelengths, nodes]))

@@ -38,8 +38,8 @@ def meteorological_range(
 
     Args:
         turbidity: T, 1 or more.
-        turbidity_means: As for `skyfit.preetham_atmosphere`; with "coefficients" the range is
-            42 km at T = 2.
+        turbidity_means: Meaning of turbidity, as for `skyfit.preetham_atmosphere`; with
+            "coefficients" the range is 42 km at T = 2.
         contrast: 0.02 for the meteorological range; 0.05 for the meteorological optical range that
             weather stations report as visibility.
 

@@ -202,3 +202,83 @@ def test_choices_are_values_not_spellings(skies):
     for one, other in zip(jax.tree.leaves(words), jax.tree.leaves(values), strict=True):
         np.testing.assert_array_equal(one, other)
     assert words.notes == values.notes
+
+
+# What skies of the program that wrote the files were: suns, views and azimuths, and x, y, Y.
+PLACES = ((0.6, 0.9, 1.0), (1.6, 1.2, 2.0))
+OLD = {
+    "polynomial": (
+        {"turbidity": 3.0},
+        [
+            [0.25928470779765095, 0.26683900604926775, 10434.827120434942],
+            [0.2774481922614479, 0.29583197917544823, 862.3646273754208],
+        ],
+    ),
+    "nodes": (
+        {"turbidity": 3.0},
+        [
+            [0.26067428658012565, 0.2900672796718434, 9844.70884006511],
+            [0.3056698797285834, 0.3860216411501417, 991.2449875836412],
+        ],
+    ),
+    "one": (
+        {},
+        [
+            [0.2559475205936095, 0.264683566381738, 10482.98186956971],
+            [0.30786629026081835, 0.33684833253787017, 650.1270481426101],
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OLD)
+def test_formulas_of_the_second_schema_are_the_skies_they_were(name, tmp_path):
+    fit = load_fit(FILES / f"fit_schema_2_{name}.json")
+    swept, want = OLD[name]
+    for place, colour in zip(PLACES, want, strict=True):
+        np.testing.assert_allclose(fit.sky(**swept).xyY(*place), colour, rtol=1e-12)
+    assert fit.positivity is not None
+    fit.save(tmp_path / "new.json")
+    assert load_fit(tmp_path / "new.json").describe() == fit.describe()
+
+
+def test_a_broken_file_of_the_second_schema_is_refused_by_name_and_key(tmp_path):
+    document = json.loads((FILES / "fit_schema_2_nodes.json").read_text())
+    path = tmp_path / "fit.json"
+    for change, message in (
+        (
+            lambda d: d.update(form="spline"),
+            "form: expected 'published' or 'formula'; got 'spline'",
+        ),
+        (lambda d: d["formula"].pop("kind"), "key 'kind' is missing"),
+        (lambda d: d["formula"]["dependence"].update(kind="x"), "expected a dependence of kind"),
+        (lambda d: d["formula"]["numbers"]["R"].pop(), r"formula.numbers.R: expected \(5, 8\)"),
+    ):
+        broken = json.loads(json.dumps(document))
+        change(broken)
+        path.write_text(json.dumps(broken))
+        with pytest.raises(ValueError, match=message) as error:
+            load_fit(path)
+        assert str(error.value).startswith(str(path))
+
+
+def test_bands_may_be_given_as_an_array():
+    lam = np.arange(400.0, 701.0, 50.0)
+    one = model_skies(turbidities=(3.0,)).isel(turbidity=0, drop=True)
+    at = (
+        one["sun_zenith"].values[:, None],
+        one["view_zenith"].values,
+        one["relative_azimuth"].values,
+    )
+    light = np.asarray(preetham_sky(3.0).radiance(*at, lam))
+    data = xr.Dataset(
+        {"radiance": (("sun_zenith", "direction", "wavelength"), light)},
+        {**one.drop_vars(["x", "y", "luminance"]).coords, "wavelength": lam},
+    )
+    low = Dependence(sun_degree=1)
+    fits = [
+        fit_sky(data, distribution=SMALL, dependence=low, channels=bands)
+        for bands in (np.array([450.0, 550.0]), [450.0, 550.0])
+    ]
+    assert fits[0].channels == ("450 nm", "550 nm")
+    np.testing.assert_array_equal(fits[0].numbers["450 nm"], fits[1].numbers["450 nm"])

@@ -17,7 +17,7 @@ class Terms:
     """The terms of a basis: lines that make them, and sums of numbers times them.
 
     Attributes:
-        lines: lines that make the factors of the terms.
+        lines: Lines that make the factors of the terms.
     """
 
     def __init__(self, basis: Basis, names: Mapping[str, str], prefix: str = ""):

@@ -23,7 +23,7 @@ class Line:
     """`name = expression`: a new number.
 
     Attributes:
-        name: Of the number.
+        name: Name of the number.
         expression: See the module's docstring for the syntax.
         comment: One line above it, or nothing.
     """
@@ -38,11 +38,11 @@ class Function:
     """A function that returns a number or a vector.
 
     Attributes:
-        name: Without the prefix that the export gives to all.
-        doc: What it returns, in one or more lines.
-        arguments: Names; `direction`, `sun_direction` and `colour` are vectors.
+        name: Name without the prefix that the export gives to all.
+        doc: What the function returns, in one or more lines.
+        arguments: Names of the arguments; `direction`, `sun_direction` and `colour` are vectors.
         body: Lines, in order.
-        result: Expression.
+        result: Expression that is returned.
         returns_vector: Whether the result is a vector.
         public: Whether callers are meant to use it.
     """
@@ -64,12 +64,12 @@ class Description:
     """A sky formula.
 
     Attributes:
-        functions: In an order in which each calls only those before it; the last is
+        functions: Functions in an order in which each calls only those before it; the last is
             `xyY_of_angles(cos_view, gamma, sun_zenith, *swept)`.
         swept: Name of the swept parameter, if there is one.
         numbers: The formula's coefficients as data.
-        formula: For people.
-        policy: What it gives outside of where it was made, for people.
+        formula: The formula as people write it.
+        policy: What the formula gives outside of where it was made, in a sentence.
     """
 
     functions: tuple[Function, ...]

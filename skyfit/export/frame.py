@@ -9,7 +9,7 @@ def framed(description: Description, *, single: bool) -> tuple[Function, ...]:
     """All functions of a file: the formula's own between those for directions and for colours.
 
     Args:
-        description: Of the sky.
+        description: Description of the sky.
         single: Whether the language has single precision only.
     """
     half = _HALF_ANGLE_IN_SINGLE if single else _HALF_ANGLE

@@ -42,13 +42,13 @@ class BatchFit(NamedTuple):
     """Fits of all channels to groups of skies.
 
     Attributes:
-        problem: what was fitted; its lanes are the groups of the first channel, then of the next.
-        basis: terms of the numbers.
-        solution: what the solver found.
-        numbers: numbers of the formula in the terms of `basis`.
-        rms: root mean square of the weighted residuals.
-        converged: the solver's word.
-        starts: number of starts that a fit took.
+        problem: What was fitted; its lanes are the groups of the first channel, then of the next.
+        basis: Terms of the numbers.
+        solution: What the solver found.
+        numbers: Numbers of the formula in the terms of `basis`.
+        rms: Root mean square of the weighted residuals.
+        converged: The solver's word.
+        starts: Number of starts that a fit took.
     """
 
     problem: FitProblem
@@ -77,15 +77,15 @@ def fit_groups(
     begun from the one before.
 
     Args:
-        skies: what to fit.
-        formula: distribution and dependence; skies of one group that is not "all" share one set of
+        skies: What to fit.
+        formula: Distribution and dependence; skies of one group that is not "all" share one set of
             coefficients.
-        settings: weights, residuals, prior, starts.
-        by: which skies share numbers: "all" of them; those of the same "swept" values; none, each
+        settings: Weights, residuals, prior, starts.
+        by: Which skies share numbers: "all" of them; those of the same "swept" values; none, each
             "sky" having its own.
-        use: skies to fit; all by default.
-        start: sums of numbers times terms of every sky to begin from, in place of the starts.
-        again: whether fits in doubt are given all of the distribution's starts.
+        use: Skies to fit; all by default.
+        start: Sums of numbers times terms of every sky to begin from, in place of the starts.
+        again: Whether fits in doubt are given all of the distribution's starts.
     """
     use = np.ones(skies.count, bool) if use is None else use
     seen = skies if use.all() else skies.subset(use)

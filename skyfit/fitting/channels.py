@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-Channels = str | Sequence[float]
+Channels = str | Sequence[float] | np.ndarray
 
 
 def read_channels(data: "xr.Dataset", channels: Channels, caller: str = "fit_sky") -> Skies:
     """Skies of a dataset in the channels asked for.
 
     Args:
-        data: As for `skyfit.fitting.skies.read_skies`.
+        data: Skies, as for `skyfit.fitting.skies.read_skies`.
         channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
             wavelengths of spectral bands [nm].
-        caller: Whose arguments these are, for messages.
+        caller: Name of the function whose arguments these are, for messages.
 
     Raises:
         ValueError: An unknown choice, a band beyond the data, or values that cannot be fitted.

@@ -42,9 +42,9 @@ class Dependence:
         kind: "linear" for coefficients linear in every parameter, as Preetham et al. (1999) have
             them; "polynomial", or "nodes" for linear interpolation between the values of the data,
             of the free numbers whose links are the coefficients, over parameters and sun.
-        parameter_degree: degree of the polynomial in every parameter; no more than the data have
+        parameter_degree: Degree of the polynomial in every parameter; no more than the data have
             values, less one.
-        sun_degree: degree of the polynomial in a function of the sun, with the same limit.
+        sun_degree: Degree of the polynomial in a function of the sun, with the same limit.
         sun_function: "zenith angle", "cosine" or "cube root of elevation".
     """
 
@@ -141,8 +141,8 @@ class Formula:
     """What is fitted: a distribution, and how its coefficients depend on parameters and sun.
 
     Attributes:
-        distribution: formula of the dome.
-        dependence: dependence of its coefficients.
+        distribution: Formula of the dome.
+        dependence: Dependence of its coefficients.
     """
 
     distribution: AbstractDistribution
@@ -196,11 +196,11 @@ class FitSettings:
     Attributes:
         weights: "equal" for every direction, or by "solid angle".
         residuals: "relative" (model / data - 1), or "absolute" (over the RMS of the data).
-        max_view_zenith: view zenith angle beyond which directions keep the `horizon_weight` of the
+        max_view_zenith: View zenith angle beyond which directions keep the `horizon_weight` of the
             distribution, none for Perez's and the CIE's [rad].
-        prior: share of the loss per squared unit that a free coordinate is away from the first of
+        prior: Share of the loss per squared unit that a free coordinate is away from the first of
             the distribution's own starts.
-        starts: coefficients to start from, by channel; channels not named start from the
+        starts: Coefficients to start from, by channel; channels not named start from the
             distribution's own.
     """
 

@@ -26,13 +26,13 @@ class Diagnostics:
     """What a sceptic asks of one channel's fit.
 
     Attributes:
-        rms: root mean square of the weighted residuals within `max_view_zenith`.
-        worst: largest absolute residual of these.
-        condition: condition number of the Jacobian with respect to the numbers that were fitted,
+        rms: Root mean square of the weighted residuals within `max_view_zenith`.
+        worst: Largest absolute residual of these.
+        condition: Condition number of the Jacobian with respect to the numbers that were fitted,
             its columns scaled to unit length.
-        unidentified: combinations of coefficients that the skies leave open, in words.
-        converged: whether the solver met its tolerance.
-        steps: number of Levenberg-Marquardt steps.
+        unidentified: Combinations of coefficients that the skies leave open, in words.
+        converged: Whether the solver met its tolerance.
+        steps: Number of Levenberg-Marquardt steps.
     """
 
     rms: float
@@ -47,10 +47,10 @@ class Examined(NamedTuple):
     """A fit at its solution: residuals, scales, and normal matrices without the prior's share.
 
     Attributes:
-        residual: weighted relative residuals [sky, direction].
-        scale: scale of each sky [sky].
-        by_number: normal matrix by the numbers of the formula [number, number].
-        by_free: normal matrix by the free coordinates [number, number].
+        residual: Weighted relative residuals [sky, direction].
+        scale: Scale of each sky [sky].
+        by_number: Normal matrix by the numbers of the formula [number, number].
+        by_free: Normal matrix by the free coordinates [number, number].
     """
 
     residual: Any
@@ -124,10 +124,10 @@ def loose_combinations(
     """Name the combinations whose standard deviation in free coordinates exceeds `LOOSE`.
 
     Args:
-        found: spectrum by the free coordinates, terms before coefficients.
-        noise: variance of the residuals.
-        distribution: says what each coordinate loosens.
-        places: where each term is, as in "turbidity 2"; empty if terms have no place.
+        found: Spectrum by the free coordinates, terms before coefficients.
+        noise: Variance of the residuals.
+        distribution: Says what each coordinate loosens.
+        places: Where each term is, as in "turbidity 2"; empty if terms have no place.
 
     Returns:
         At most eight, the loosest first, each with its standard deviation.

@@ -73,21 +73,21 @@ def fit_sky(
     Where no direction is the zenith, each sky's zenith value is a free parameter.
 
     Args:
-        data: skies in the form of `skyfit.dataset`, simulated or measured.
+        data: Skies in the form of `skyfit.dataset`, simulated or measured.
         distribution: "perez", "cie", "hosek-wilkie", "series", or a distribution of
             `skyfit.models` with settings of its own.
-        dependence: dependence of the coefficients on the swept parameters and the sun: "linear" in
+        dependence: Dependence of the coefficients on the swept parameters and the sun: "linear" in
             the parameters, "polynomial" in both, linear between "nodes", or a `Dependence`.
         channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
             wavelengths of spectral bands [nm].
         weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
         residuals: "relative" (model / data - 1) or "absolute" (over the RMS of the data).
-        max_view_zenith: view zenith angle beyond which directions are left out [rad]. "series" and
+        max_view_zenith: View zenith angle beyond which directions are left out [rad]. "series" and
             "hosek-wilkie" keep a twentieth of their weight there, lest they turn negative.
-        prior: multiplies the loss by 1 + prior |u - u₀|², u being the free coordinates of the
+        prior: Multiplies the loss by 1 + prior |u - u₀|², u being the free coordinates of the
             coefficients and u₀ the first of the distribution's starts: what the skies do not
             determine stays near it, and perfect data are fitted perfectly.
-        starts: coefficients to start from, by channel.
+        starts: Coefficients to start from, by channel.
 
     Returns:
         Coefficients, their standard errors, and what a sceptic asks of them.
@@ -112,11 +112,11 @@ def fit_formula(
     """Fit a formula to skies in the channels to fit.
 
     Args:
-        skies: what to fit.
-        formula: distribution and dependence.
-        settings: weights, residuals, prior, starts.
-        provenance: attributes of the data.
-        use: skies to fit; all by default.
+        skies: What to fit.
+        formula: Distribution and dependence.
+        settings: Weights, residuals, prior, starts.
+        provenance: Attributes of the data.
+        use: Skies to fit; all by default.
         start: a fit of the same formula to begin from.
     """
     settings = FitSettings() if settings is None else settings
@@ -179,9 +179,9 @@ class EachSky(NamedTuple):
 
     Attributes:
         coefficients: A to E for x, y, Y over the dataset's sky dimensions.
-        rms: root mean square of each fit's weighted residuals.
-        converged: the solver's word.
-        starts: number of starts each fit took.
+        rms: Root mean square of each fit's weighted residuals.
+        converged: The solver's word.
+        starts: Number of starts each fit took.
     """
 
     coefficients: Float[np.ndarray, "channel *sky coefficient"]
@@ -205,11 +205,11 @@ def fit_each_sky(
     determined coefficients are to be expected, within the bounds of `skyfit.models.perez.Perez`.
 
     Args:
-        data: skies, as for `fit_sky`.
-        weights: weights of directions, as for `fit_sky`.
-        residuals: kind of residuals, as for `fit_sky`.
-        max_view_zenith: view zenith angle beyond which directions are left out [rad].
-        starts: coefficients A to E to start from first, by channel.
+        data: Skies, as for `fit_sky`.
+        weights: Weights of directions, as for `fit_sky`.
+        residuals: Kind of residuals, as for `fit_sky`.
+        max_view_zenith: View zenith angle beyond which directions are left out [rad].
+        starts: Coefficients A to E to start from first, by channel.
     """
     settings = FitSettings(weights, residuals, max_view_zenith, 0.0, starts)
     skies = read_skies(data, "fit_each_sky")

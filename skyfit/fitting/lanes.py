@@ -25,11 +25,11 @@ class Solution(NamedTuple):
     """What came out of a batch of fits, one entry a lane.
 
     Attributes:
-        free: free coordinates of all terms.
-        objective: half the sum of squares that was minimised.
-        loss: the same without the prior.
-        steps: number of Levenberg-Marquardt steps.
-        converged: the solver's word, not that the minimum is the lowest.
+        free: Free coordinates of all terms.
+        objective: Half the sum of squares that was minimised.
+        loss: The same without the prior.
+        steps: Number of Levenberg-Marquardt steps.
+        converged: The solver's word, not that the minimum is the lowest.
     """
 
     free: Float[Array | np.ndarray, "lane free"]
@@ -48,10 +48,10 @@ def solve(
     reported, not raised.
 
     Args:
-        problem: what to fit; every array has the lanes first.
-        start: free coordinates of all terms.
-        rtol: relative decrease of the objective below which a fit has converged.
-        max_steps: number of steps up to which the batch waits for its slowest lane.
+        problem: What to fit; every array has the lanes first.
+        start: Free coordinates of all terms.
+        rtol: Relative decrease of the objective below which a fit has converged.
+        max_steps: Number of steps up to which the batch waits for its slowest lane.
     """
     tolerance = jnp.asarray(rtol, start.dtype)
     return _solve_compiled(problem, start, tolerance, max_steps=max_steps)
@@ -128,12 +128,12 @@ def solve_from_starts(
     within 0.1 % of the lowest objective.
 
     Args:
-        problem: what to fit; every array has the lanes first.
-        starts: free coordinates.
-        first: number of starts that all lanes are given.
-        rtol: as for `solve`.
-        max_steps: as for `solve`.
-        at_once: number of lanes that one call solves; by default all of them, or as many single
+        problem: What to fit; every array has the lanes first.
+        starts: Free coordinates.
+        first: Number of starts that all lanes are given.
+        rtol: As for `solve`.
+        max_steps: As for `solve`.
+        at_once: Number of lanes that one call solves; by default all of them, or as many single
             skies as run well together.
 
     Returns:

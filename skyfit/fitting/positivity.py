@@ -26,12 +26,12 @@ class Positivity:
     """The least luminance and the least margin of chromaticity over dome, suns and parameter.
 
     Attributes:
-        least_luminance: least luminance as a share of the mean of the same sky; below 0, light is
+        least_luminance: Least luminance as a share of the mean of the same sky; below 0, light is
             negative.
-        least_luminance_at: sun and view [rad], and the swept parameters, of that.
-        locus_margin: distance of the chromaticity from the boundary of all colours, the spectral
+        least_luminance_at: Sun and view [rad], and the swept parameters, of that.
+        locus_margin: Distance of the chromaticity from the boundary of all colours, the spectral
             locus and the line of purples; negative outside.
-        locus_margin_at: sun and view [rad], and the swept parameters, of that.
+        locus_margin_at: Sun and view [rad], and the swept parameters, of that.
     """
 
     least_luminance: float
@@ -76,9 +76,9 @@ def positivity(
     Args:
         sky: a fit, a model, or a function from one parameter to a model, such as
             `skyfit.preetham_sky`.
-        parameter_range: values of the one parameter between which to look; those of the fit or
+        parameter_range: Values of the one parameter between which to look; those of the fit or
             model by default.
-        sun_zenith_range: suns between which to look [rad]; those of the fit or model by default.
+        sun_zenith_range: Suns between which to look [rad]; those of the fit or model by default.
     """
     swept, model_at = _family(sky, parameter_range)
     count = _NUM_VALUES.get(len(swept), _FEWEST_VALUES)

@@ -23,20 +23,20 @@ class FitProblem(eqx.Module):
     what is summed, and `distribution.constrain` makes them, row by row, of the free coordinates.
 
     Attributes:
-        distribution: formula of the dome.
-        cos_view: cosine of the view zenith angle.
-        gamma: angle between view and sun [rad].
-        sun_zenith: zenith angle of the sun [rad].
-        terms: terms of the basis for each sky.
-        target: values over the scale, or values whose scale is free; above 0.
-        weight: weight of each relative residual; 0 leaves it out.
-        pull: square root of the prior: its rows times the free coordinates' distance from
+        distribution: Formula of the dome.
+        cos_view: Cosine of the view zenith angle.
+        gamma: Angle between view and sun [rad].
+        sun_zenith: Zenith angle of the sun [rad].
+        terms: Terms of the basis for each sky.
+        target: Values over the scale, or values whose scale is free; above 0.
+        weight: Weight of each relative residual; 0 leaves it out.
+        pull: Square root of the prior: its rows times the free coordinates' distance from
             `centre`, squared and summed, are the share by which the loss grows.
-        floor: twice the loss that the prior takes the skies to have in addition; 0 where perfect
+        floor: Twice the loss that the prior takes the skies to have in addition; 0 where perfect
             data are to be fitted perfectly.
-        centre: free coordinates towards which the prior draws.
-        linked: whether links make the coefficients.
-        free_scale: whether each sky has a scale of its own, the one that fits best.
+        centre: Free coordinates towards which the prior draws.
+        linked: Whether links make the coefficients.
+        free_scale: Whether each sky has a scale of its own, the one that fits best.
     """
 
     distribution: AbstractDistribution
@@ -66,8 +66,8 @@ class Linearised(NamedTuple):
     """Residuals of a fit and their derivatives by the numbers of the formula.
 
     Attributes:
-        residual: weighted relative residuals.
-        scale: scale of each sky.
+        residual: Weighted relative residuals.
+        scale: Scale of each sky.
         gram: JᵀJ by numbers, terms before coefficients.
         slope: Jᵀr by numbers.
     """

@@ -31,11 +31,11 @@ class TwoStage:
     """One channel fitted as Preetham et al. (1999) describe: by parameter, then a line.
 
     Attributes:
-        values: values of the parameter.
+        values: Values of the parameter.
         coefficients: A to E at each value.
-        line: slope and intercept through them by least squares.
-        rms_by_value: root mean square residual of the fit at each value.
-        rms: root mean square residual of the line over all skies.
+        line: Slope and intercept through them by least squares.
+        rms_by_value: Root mean square residual of the fit at each value.
+        rms: Root mean square residual of the line over all skies.
     """
 
     values: Float[np.ndarray, " value"]
@@ -50,13 +50,13 @@ class Notes:
     """What is known of a fit besides its numbers. Two are equal if they say the same.
 
     Attributes:
-        diagnostics: residuals, condition number, unidentified combinations, by channel.
-        scale_rms: root mean square relative error of each channel's scale over the skies.
-        two_stage: the fit in two stages, for comparison; None if there is no line to compare.
-        positivity: how far from negative light and impossible colours the sky stays; None if it
+        diagnostics: Residuals, condition number, unidentified combinations, by channel.
+        scale_rms: Root mean square relative error of each channel's scale over the skies.
+        two_stage: The fit in two stages, for comparison; None if there is no line to compare.
+        positivity: How far from negative light and impossible colours the sky stays; None if it
             was not looked at.
-        settings: choices the fit was made with.
-        provenance: attributes of the data, and the versions that made the fit.
+        settings: Choices the fit was made with.
+        provenance: Attributes of the data, and the versions that made the fit.
     """
 
     diagnostics: dict[str, Diagnostics]
@@ -83,20 +83,20 @@ class SkyFit(eqx.Module):
     A fit is a pytree whose leaves are its numbers. Dictionaries have an entry a channel.
 
     Attributes:
-        numbers: numbers of every coefficient in the terms of `basis`.
-        number_errors: standard errors of `numbers`, as if residuals were independent.
-        basis: terms of the coefficients.
-        distribution: formula of the dome.
-        scale: factor of every channel, with its own numbers.
-        scale_errors: standard errors of the scale's numbers by name, where they are known.
-        wavelengths: wavelengths of spectral bands [nm]; None for colours.
-        linked: whether sums of numbers times terms are free numbers, whose links are the
+        numbers: Numbers of every coefficient in the terms of `basis`.
+        number_errors: Standard errors of `numbers`, as if residuals were independent.
+        basis: Terms of the coefficients.
+        distribution: Formula of the dome.
+        scale: Factor of every channel, with its own numbers.
+        scale_errors: Standard errors of the scale's numbers by name, where they are known.
+        wavelengths: Wavelengths of spectral bands [nm]; None for colours.
+        linked: Whether sums of numbers times terms are free numbers, whose links are the
             coefficients; elsewhere the sums are the coefficients.
         kind: "Yxy", "XYZ", "RGB" or "bands".
-        channels: names of the channels, in order.
-        ranges: name of every swept parameter, and the values between which the fit holds.
-        sun_zenith_range: suns between which it holds [rad].
-        notes: what is known of the fit besides its numbers.
+        channels: Names of the channels, in order.
+        ranges: Name of every swept parameter, and the values between which the fit holds.
+        sun_zenith_range: Suns between which it holds [rad].
+        notes: What is known of the fit besides its numbers.
     """
 
     numbers: dict[str, Table]
@@ -212,7 +212,7 @@ class SkyFit(eqx.Module):
         """The fitted sky model.
 
         Args:
-            **swept: every swept parameter under its own name, as in `turbidity=3.0`; nothing where
+            **swept: Every swept parameter under its own name, as in `turbidity=3.0`; nothing where
                 nothing was swept. Outside the fitted range it is held at the nearest end, with a
                 warning where it is known.
 

@@ -31,11 +31,11 @@ def fit_scale(
     """Fit the scale of a formula whose distribution is known.
 
     Args:
-        skies: skies that were fitted.
-        formula: distribution and dependence.
-        settings: weights of directions.
-        values: scale of each sky with which its distribution fits best.
-        use: skies in use.
+        skies: Skies that were fitted.
+        formula: Distribution and dependence.
+        settings: Weights of directions.
+        values: Scale of each sky with which its distribution fits best.
+        use: Skies in use.
 
     Returns:
         The scale, the standard errors of its numbers where they are known, and the relative RMS by

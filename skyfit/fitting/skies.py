@@ -37,16 +37,16 @@ class Skies:
     """Skies in a row, as NumPy arrays.
 
     Attributes:
-        swept: value of every swept parameter for each sky, by name; empty if nothing was swept.
-        sun_zenith: zenith angle of the sun [rad].
-        view_zenith: zenith angle of every view [rad].
-        relative_azimuth: azimuth of every view from the sun's [rad].
-        values: values of x, y, Y (in cd m⁻²), or of the channels named, all finite.
-        zenith: values at the zenith; None if no direction is the zenith.
-        shape: shape of the dataset's sky dimensions, before they were put in a row.
-        channels: names of the channels.
-        kind: kind of the channels: "Yxy", "XYZ", "RGB" or "bands".
-        wavelengths: wavelengths of spectral bands [nm].
+        swept: Value of every swept parameter for each sky, by name; empty if nothing was swept.
+        sun_zenith: Zenith angle of the sun [rad].
+        view_zenith: Zenith angle of every view [rad].
+        relative_azimuth: Azimuth of every view from the sun's [rad].
+        values: Values of x, y, Y (in cd m⁻²), or of the channels named, all finite.
+        zenith: Values at the zenith; None if no direction is the zenith.
+        shape: Shape of the dataset's sky dimensions, before they were put in a row.
+        channels: Names of the channels.
+        kind: Kind of the channels: "Yxy", "XYZ", "RGB" or "bands".
+        wavelengths: Wavelengths of spectral bands [nm].
     """
 
     swept: dict[str, Float[np.ndarray, " sky"]]
@@ -134,10 +134,10 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     """Put a dataset's skies in a row and check them.
 
     Args:
-        data: In the form of `skyfit.dataset`: `luminance`, `x`, `y` (or `radiance`, from which
-            they follow) over `direction` and the sky's dimensions; `view_zenith`,
+        data: Skies in the form of `skyfit.dataset`: `luminance`, `x`, `y` (or `radiance`, from
+            which they follow) over `direction` and the sky's dimensions; `view_zenith`,
             `relative_azimuth`, `sun_zenith`, in radians.
-        caller: Whose argument `data` is, for messages.
+        caller: Name of the function whose argument `data` is, for messages.
 
     Raises:
         ValueError: A variable is missing, the sun is below the horizon, or a value cannot be

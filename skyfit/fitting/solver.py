@@ -36,12 +36,12 @@ class NormalEquationsLM(optx.AbstractLeastSquaresSolver):
     or when the step is below `atol`.
 
     Attributes:
-        rtol: relative decrease of the loss, promised by an undamped step, that ends a fit.
-        atol: length of a step that ends a fit.
-        norm: norm that optimistix asks for.
-        first_damping: damping of the first step.
-        longest_step: largest change of a parameter in one step.
-        equations: function of the parameters and `args` that gives half the sum of squares, JᵀJ
+        rtol: Relative decrease of the loss, promised by an undamped step, that ends a fit.
+        atol: Length of a step that ends a fit.
+        norm: Norm that optimistix asks for.
+        first_damping: Damping of the first step.
+        longest_step: Largest change of a parameter in one step.
+        equations: Function of the parameters and `args` that gives half the sum of squares, JᵀJ
             and Jᵀr, where these have a structure to use; by default the Jacobian of the residuals.
     """
 

@@ -16,9 +16,9 @@ class Targets(NamedTuple):
     """What a formula's distribution is to follow.
 
     Attributes:
-        target: values over the scale, or values whose scale is free.
-        weight: weight of each relative residual.
-        free_scale: whether each sky has a scale of its own.
+        target: Values over the scale, or values whose scale is free.
+        weight: Weight of each relative residual.
+        free_scale: Whether each sky has a scale of its own.
     """
 
     target: Float[np.ndarray, "channel sky direction"]
@@ -35,12 +35,12 @@ def targets(
     """Divide skies by their scale where that comes first, and weigh their directions.
 
     Args:
-        skies: what to fit.
-        formula: the paper's own is fitted to values over the zenith's where that is seen, a
+        skies: What to fit.
+        formula: The paper's own is fitted to values over the zenith's where that is seen, a
             distribution that is relative to the zenith by a free scale of each sky, and any other
             to values over the mean of the dome as `SCALE` has it.
-        settings: weights and residuals.
-        use: skies to fit; all by default.
+        settings: Weights and residuals.
+        use: Skies to fit; all by default.
     """
     use = np.ones(skies.count, bool) if use is None else use
     weight = direction_weights(skies, formula, settings) * use[:, None]

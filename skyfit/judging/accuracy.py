@@ -30,7 +30,7 @@ def shape_error(
     Args:
         value: A dataset, a `SkyFit`, a sky model, or a function of the parameter that gives one,
             such as `skyfit.preetham_sky`.
-        reference: The same; relative to it the error is.
+        reference: Sky of the same kinds to which the error is relative.
         max_view_zenith: Leave out directions closer to the horizon [rad].
 
     Returns:

@@ -37,13 +37,13 @@ class Rung:
     """One formula of the ladder.
 
     Attributes:
-        distribution: Its name.
-        dependence: In words.
+        distribution: Name of the distribution.
+        dependence: The dependence in words.
         channels: "Yxy", "XYZ", "RGB" or "bands".
         coefficients: Numbers a channel, those of its scale or zenith among them.
         fitted: Errors at the skies fitted, by channel: relative for light, absolute for x and y.
-        held_out: The same at skies left out, and of x, y and Y whatever was fitted.
-        positivity: Of the fit to all skies.
+        held_out: Errors at skies left out, by channel, and of x, y and Y whatever was fitted.
+        positivity: Margins of the fit to all skies.
         seconds: What the fit to all skies took.
     """
 
@@ -77,15 +77,15 @@ def ladder(
     """Fit every formula to skies and judge it on skies that it has not seen.
 
     Args:
-        data: As for `fit_sky`.
+        data: Skies, as for `fit_sky`.
         held_out: Skies to judge by, of the same parameter and within the ranges of `data`. Without
             them the data are cross-validated: three times every third inner sun and every third
             inner value of the parameter is left out.
-        distributions: As for `fit_sky`.
-        dependences: As for `fit_sky`.
-        channels: As for `fit_sky`.
-        weights: As for `fit_sky`.
-        residuals: As for `fit_sky`.
+        distributions: Distributions to fit, as for `fit_sky`.
+        dependences: Dependences to fit, as for `fit_sky`.
+        channels: Kinds of channels to fit, as for `fit_sky`.
+        weights: Weights of directions, as for `fit_sky`.
+        residuals: Kind of residuals, as for `fit_sky`.
         max_view_zenith: Neither fit nor judge closer to the horizon [rad].
         progress: Called as `progress(rung, done, total)`.
 

@@ -17,13 +17,13 @@ class Misfit:
     """How far one quantity is off over directions, suns and values of the parameter.
 
     Attributes:
-        rms: root mean square error over all skies and directions judged.
-        worst: largest absolute error.
-        worst_at: sun and view [rad], and the swept parameters, of that.
-        by_sun: root mean square error at every sun judged, highest first, with its zenith angle
+        rms: Root mean square error over all skies and directions judged.
+        worst: Largest absolute error.
+        worst_at: Sun and view [rad], and the swept parameters, of that.
+        by_sun: Root mean square error at every sun judged, highest first, with its zenith angle
             [rad].
-        by_parameter: root mean square error at every value of each swept parameter.
-        relative_rms: root mean square relative error.
+        by_parameter: Root mean square error at every value of each swept parameter.
+        relative_rms: Root mean square relative error.
     """
 
     rms: float

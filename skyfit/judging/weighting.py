@@ -35,7 +35,7 @@ class Weighting:
 
     Attributes:
         coefficients: A to E by (slope in the parameter, intercept).
-        standard_errors: The same shape.
+        standard_errors: Standard errors of `coefficients`, in the same shape.
         rms: Root mean square of the residuals by every choice's measure, this fit's own included.
     """
 
@@ -52,7 +52,7 @@ def compare_weights(data: "xr.Dataset") -> dict[str, Weighting]:
     """Fit Perez's form with relative, absolute and solid-angle weights.
 
     Args:
-        data: As for `fit_sky`.
+        data: Skies, as for `fit_sky`.
 
     Returns:
         By choice: "relative" (model / data - 1, every direction alike; what `fit_sky` does),

@@ -33,7 +33,7 @@ class AbstractAxis(eqx.Module):
     """Functions of one quantity.
 
     Attributes:
-        quantity: name of the quantity, a swept parameter or `SUN`.
+        quantity: Name of the quantity, a swept parameter or `SUN`.
     """
 
     quantity: eqx.AbstractVar[str]
@@ -66,10 +66,10 @@ class Chebyshev(AbstractAxis):
     The function of the quantity is put linearly on u from -1 to 1 between the ends.
 
     Attributes:
-        quantity: name of the quantity.
-        ends: values of the quantity where u is -1 and 1.
-        degree: highest k.
-        function: one of `FUNCTIONS`; the last two are for the sun's zenith angle.
+        quantity: Name of the quantity.
+        ends: Values of the quantity where u is -1 and 1.
+        degree: Highest k.
+        function: One of `FUNCTIONS`; the last two are for the sun's zenith angle.
     """
 
     quantity: str = eqx.field(static=True)
@@ -126,8 +126,8 @@ class Tents(AbstractAxis):
     """Linear interpolation: function k is 1 at node k and falls to 0 at its neighbours.
 
     Attributes:
-        quantity: name of the quantity.
-        nodes: increasing values of the quantity.
+        quantity: Name of the quantity.
+        nodes: Increasing values of the quantity.
     """
 
     quantity: str = eqx.field(static=True)
@@ -184,8 +184,8 @@ class Line(AbstractAxis):
     """The quantity itself and 1: numbers are slope and intercept, as Preetham et al. print them.
 
     Attributes:
-        quantity: name of the quantity.
-        ends: values between which the quantity is held.
+        quantity: Name of the quantity.
+        ends: Values between which the quantity is held.
     """
 
     quantity: str = eqx.field(static=True)
@@ -221,7 +221,7 @@ class Basis(eqx.Module):
     """Products of the functions of some axes; those of the last axis vary fastest.
 
     Attributes:
-        axes: one for every quantity that matters.
+        axes: One for every quantity that matters.
     """
 
     axes: tuple[AbstractAxis, ...] = ()
@@ -235,7 +235,7 @@ class Basis(eqx.Module):
         """Value of every term.
 
         Args:
-            at: every quantity by name, arrays of one rank; the sun must be among them.
+            at: Every quantity by name, arrays of one rank; the sun must be among them.
         """
         found = [jnp.ones_like(at[SUN])] if not self.axes else [None]
         for axis in self.axes:

@@ -79,7 +79,7 @@ def day_sky(turbidity: ArrayLike) -> DaySky:
     """The published sky normalised for a screen.
 
     Args:
-        turbidity: As for `skyfit.preetham_sky`.
+        turbidity: Turbidity, as for `skyfit.preetham_sky`.
 
     Raises:
         InputError: Turbidity below 1 or NaN.
@@ -94,7 +94,7 @@ class DayCourse(NamedTuple):
         standard_time: Clock times [hour] [h].
         sun: Where the sun stands, [hour] each [rad].
         xyY: Chromaticity and luminance of each direction [hour, direction, 3], in the model's unit.
-        towards_sun: The same where the sun stands, the colour of its light in the shader [hour, 3].
+        towards_sun: xyY where the sun stands, the colour of its light in the shader [hour, 3].
     """
 
     standard_time: Float[Array, " hour"]
@@ -127,8 +127,8 @@ def day_course(
         view_zenith: Zenith angles of the directions; one axis or one number [rad].
         view_azimuth: Their azimuths, positive west of south like the sun's [rad].
         standard_time: Clock times, one axis; every full hour from 0 to 23 if not given [h].
-        method: As for `skyfit.sun_position`.
-        year: As for `skyfit.sun_position`.
+        method: Method of the sun's position, as for `skyfit.sun_position`.
+        year: Year of the date, as for `skyfit.sun_position`.
 
     Raises:
         InputError: Times or directions of more than one axis; what `skyfit.sun_position` refuses.

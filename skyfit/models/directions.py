@@ -32,7 +32,7 @@ class VectorView(NamedTuple):
         cos_view: Cosine of the view zenith angle.
         sun_zenith: [rad].
         gamma: Angle between view and sun [rad].
-        cos_gamma: Its cosine.
+        cos_gamma: Cosine of that angle.
         swept: The model's parameters, given the same rank.
     """
 

@@ -104,10 +104,10 @@ class Series(AbstractDistribution):
     As only the weights of the products are fitted, a fit is one linear least squares problem.
 
     Attributes:
-        thicknesses: r of every gᵢ after the first.
-        powers: Of cos γ.
-        decays: k of the exponentials.
-        asymmetries: g of the χ.
+        thicknesses: Optical thickness r of every gᵢ after the first.
+        powers: Powers of cos γ.
+        decays: Decay k of each exponential.
+        asymmetries: Asymmetry g of each χ.
     """
 
     name = "series"

@@ -37,16 +37,16 @@ class FormulaSky(AbstractSkyModel):
     night.
 
     Attributes:
-        swept: value of every swept parameter; each broadcasts against the angles.
-        numbers: numbers of the coefficients in the terms of `basis`, for every channel.
-        basis: terms of the coefficients.
-        linked: whether the sums are free numbers, whose links are the coefficients.
-        distribution: formula of the dome.
-        scale: factor of every channel.
+        swept: Value of every swept parameter; each broadcasts against the angles.
+        numbers: Numbers of the coefficients in the terms of `basis`, for every channel.
+        basis: Terms of the coefficients.
+        linked: Whether the sums are free numbers, whose links are the coefficients.
+        distribution: Formula of the dome.
+        scale: Factor of every channel.
         kind: "Yxy", "XYZ", "RGB" or "bands".
-        wavelengths: wavelengths of spectral bands [nm]; None for the three channels of a colour.
-        ranges: name of every swept parameter, and where it is valid.
-        sun_zenith_range: suns for which the model was made [rad].
+        wavelengths: Wavelengths of spectral bands [nm]; None for the three channels of a colour.
+        ranges: Name of every swept parameter, and where it is valid.
+        sun_zenith_range: Suns for which the model was made [rad].
     """
 
     swept: dict[str, Float[Array, "..."]]

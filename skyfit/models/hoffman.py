@@ -50,12 +50,12 @@ class HoffmanPreethamSky(AbstractSkyModel):
 
     Attributes:
         air: Scattering coefficients at the ground [m⁻¹].
-        haze: The same of haze [m⁻¹].
+        haze: Scattering coefficient of haze [m⁻¹].
         haze_absorption: [m⁻¹].
         haze_phase: With g above 0 haze scatters forward.
         sun: Illuminance above the atmosphere, normal to the beam [lx].
         air_length: Optical length to the zenith [m].
-        haze_length: The same of haze, no longer than that of air [m].
+        haze_length: Length of the path through haze, no longer than that through air [m].
     """
 
     air: Float[Array, " 3"]
@@ -130,8 +130,8 @@ def hoffman_preetham_sky(
     Args:
         turbidity: T, 1 or more: the haze whose optical depth at 550 nm is T - 1 times that of the
             air, over the model's own optical lengths; coloured as in Preetham et al. (1999).
-        haze: In place of a turbidity: "light haze", "heavy haze", "light fog" or "heavy fog" of
-            the article's table 1; or scattering coefficients at 650, 570 and 475 nm [m⁻¹].
+        haze: Name in place of a turbidity: "light haze", "heavy haze", "light fog" or "heavy fog"
+            of the article's table 1; or scattering coefficients at 650, 570 and 475 nm [m⁻¹].
         g: Mean cosine of the haze's scattering, in (-1, 1). The article prints no usable one.
         haze_absorption: One value or three; up to about 5e-5 where the air is polluted [m⁻¹].
 

@@ -45,7 +45,7 @@ class ByZenith(AbstractLevel):
     """Brightness from the luminance of the zenith.
 
     Attributes:
-        luminance: Of the zenith [cd m⁻²].
+        luminance: Luminance of the zenith [cd m⁻²].
     """
 
     luminance: AbstractQuantity
@@ -65,7 +65,7 @@ class ByIlluminance(AbstractLevel):
     """Brightness from the light of the sky on the ground.
 
     Attributes:
-        illuminance: Of a horizontal plane by the sky without its sun [lx].
+        illuminance: Illuminance of a horizontal plane by the sky without its sun [lx].
     """
 
     illuminance: AbstractQuantity
@@ -198,7 +198,7 @@ class Given(AbstractQuantity):
     """A quantity that the caller gave, whatever the sun.
 
     Attributes:
-        name: Of the parameter.
+        name: Name of the parameter.
     """
 
     name: str = eqx.field(static=True)

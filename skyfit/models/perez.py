@@ -32,7 +32,7 @@ def perez(
         coefficients: A, B, C, D, E on the first axis; B below 0.
         cos_view: Cosine of the view zenith angle; at 0 and below, the horizon's limit is returned.
         gamma: Angle between view and sun [rad].
-        cos_gamma: Its cosine.
+        cos_gamma: Cosine of that angle.
     """
     a, b, c, d, e = coefficients
     airmass = 1 / jnp.maximum(cos_view, LEAST_COSINE)
@@ -59,7 +59,7 @@ class Perez(AbstractDistribution):
     `least` and 20 for both factors, so that B and D are below 0.
 
     Attributes:
-        least: lower bound of q. A fit that rests there says that C, or A, is not identified.
+        least: Lower bound of q. A fit that rests there says that C, or A, is not identified.
     """
 
     name = "perez"

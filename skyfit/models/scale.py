@@ -71,7 +71,7 @@ class AbstractScale(eqx.Module):
         """Factor of every channel: the zenith's value where the distribution is relative to it.
 
         Args:
-            at: swept parameters, held in their ranges, and the sun's zenith angle, by name.
+            at: Swept parameters, held in their ranges, and the sun's zenith angle, by name.
         """
 
     @abc.abstractmethod
@@ -86,12 +86,12 @@ class LogScale(AbstractScale):
     a decade for every 2.5°, chromaticities excepted.
 
     Attributes:
-        numbers: numbers of the logarithm; the unit of e to its power is cd m⁻², or
+        numbers: Numbers of the logarithm; the unit of e to its power is cd m⁻², or
             W m⁻² sr⁻¹ nm⁻¹ for spectral bands, or none for chromaticities.
-        basis: terms of the logarithm.
-        dimming: fall of the logarithm per radian of a sun lower than the range.
-        lowest_sun: largest zenith angle of the range [rad].
-        night: whether each channel falls at night.
+        basis: Terms of the logarithm.
+        dimming: Fall of the logarithm per radian of a sun lower than the range.
+        lowest_sun: Largest zenith angle of the range [rad].
+        night: Whether each channel falls at night.
     """
 
     numbers: Float[Array, "channel term"]
@@ -131,10 +131,10 @@ class PaperZenith(AbstractScale):
     luminance that the formula makes negative is 0.
 
     Attributes:
-        x: chromaticity of the zenith.
-        y: chromaticity of the zenith.
-        luminance: luminance of the zenith.
-        quantity: name of the parameter that was swept; empty if there is none.
+        x: Chromaticity of the zenith.
+        y: Chromaticity of the zenith.
+        luminance: Luminance of the zenith.
+        quantity: Name of the parameter that was swept; empty if there is none.
     """
 
     x: CubicZenith

@@ -27,9 +27,9 @@ class Sight(NamedTuple):
 
     Attributes:
         view_zenith: Zenith angle of the view, at most π/2 [rad].
-        cos_view: Its cosine, 0 or more.
+        cos_view: Cosine of that angle, 0 or more.
         gamma: Angle between view and sun [rad].
-        cos_gamma: Its cosine.
+        cos_gamma: Cosine of that angle.
         sun_zenith: Zenith angle of the sun; any [rad].
     """
 

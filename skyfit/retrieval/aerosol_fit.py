@@ -101,8 +101,8 @@ def fit_aerosol(
     and a factor of the ground's albedo. The campaign's are the start.
 
     Args:
-        skies: In the form of `skyfit.dataset`, with `radiance` over time (or suns), direction and
-            wavelength; unreliable directions left out.
+        skies: Skies in the form of `skyfit.dataset`, with `radiance` over time (or suns),
+            direction and wavelength; unreliable directions left out.
         campaign: Campaign of a file, nothing swept; its suns and directions do not matter.
         aerosol: Name of its constituent of kind "angstrom_aerosol", given by `angstrom_beta`.
         wavelengths: Wavelengths at which the skies are compared, within theirs [nm].

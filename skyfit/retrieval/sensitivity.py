@@ -43,8 +43,8 @@ class Sensitivity:
     Attributes:
         at: The quantities of the atmosphere, in the units of their maker.
         coefficients: A to E, by channel.
-        derivatives: Of A to E (rows) by each quantity (columns, in the order of `at`), by
-            channel; per unit of the quantity.
+        derivatives: Derivatives of A to E (rows) by each quantity (columns, in the order of `at`),
+            by channel; per unit of the quantity.
         converged: Whether the optimum was found, by channel. Elsewhere derivatives mean nothing.
     """
 
@@ -96,10 +96,10 @@ def coefficient_sensitivity(
             it must do with `jax.numpy`.
         at: Names and values of the quantities to vary.
         sun_zenith: Suns that share the coefficients, in [0, π/2]; the paper's by default [rad].
-        view_zenith: Of every direction; the paper's by default [rad].
-        relative_azimuth: Of every direction, as many as `view_zenith` [rad].
-        orders: As for `simulate`.
-        quality: As for `simulate`.
+        view_zenith: Zenith angle of every direction; the paper's by default [rad].
+        relative_azimuth: Azimuth of every direction, as many as `view_zenith` [rad].
+        orders: Orders of scattering, as for `simulate`.
+        quality: Quality of the simulation, as for `simulate`.
 
     Raises:
         ValueError: No quantity is given, one of them is not a number, or an angle is impossible.

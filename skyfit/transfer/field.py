@@ -40,14 +40,14 @@ class Grid(eqx.Module):
     """Where the field is kept, and the directions over which it is summed.
 
     Attributes:
-        altitude: Of the levels [m].
+        altitude: Altitudes of the levels [m].
         level: Their coordinate, almost evenly from 0 to 1; see `Medium`.
         stencils: Levels between which light is interpolated, between each level and the next.
         thick: Share of the two neighbours alone in this interpolation, from 0 to 1.
-        sun_zenith: Of the suns, increasing [rad].
+        sun_zenith: Zenith angles of the suns, increasing [rad].
         dusk: Radius of the planet over the mean altitude of what scatters highest; 0 for a plane.
         mu: Zenith cosines of directions at each level: rising first, then limb, then falling.
-        weight: Of each direction; over a level and 2π of azimuth they sum to 4π.
+        weight: Weight of each direction; over a level and 2π of azimuth they sum to 4π.
         cos_azimuth: Azimuths in half a turn, equally weighted.
     """
 
@@ -175,9 +175,9 @@ def project(
 
     Args:
         mu: Zenith cosines of directions.
-        weight: Of each.
+        weight: Weight of each direction.
         by_mode: Mean over azimuth of cos(mφ) L.
-        harmonics: In these directions; see `legendre`.
+        harmonics: Harmonics in these directions; see `legendre`.
     """
     moments = jnp.einsum("mlr,mrsw->mlsw", harmonics * weight[None, None, :], by_mode)
     downward = weight * jnp.maximum(mu, 0.0)

@@ -28,7 +28,7 @@ class LineClasses(eqx.Module):
     """Classes of lines of an atmosphere, and the wavelengths at which they matter.
 
     Attributes:
-        weights: Of the classes.
+        weights: Weights of the classes.
         place: Numbers of the wavelengths with bands.
         width: Number of wavelengths.
     """

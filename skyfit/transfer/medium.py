@@ -33,19 +33,19 @@ class Medium(eqx.Module):
 
     Attributes:
         atmosphere: What scatters and absorbs.
-        planet: Its shape.
+        planet: Shape of the planet.
         optics: Coefficients and phase functions as the solver sees them.
         edges: Altitudes of the shells' edges, from the ground to the top [m].
         cubics: Coefficients of the densities in each shell, by powers of the share of its depth.
         above: Vertical columns above each edge [m at relative density 1].
         telling: Extinction at few wavelengths, from the clearest to the densest [m⁻¹].
         filled: Whether there is anything in each shell, from near 0 to 1.
-        climbed: Of the levels' coordinate the part by altitude, at each edge.
+        climbed: Part by altitude of the levels' coordinate, at each edge.
         coordinate: At each edge, from 0 to 1; it rises with altitude and with optical depth, so
             that equal steps of it are about equally important.
         coordinate_scale: What it was divided by to end at 1.
-        kink: By how much the slope of extinction jumps at each edge [m⁻²].
-        rows: Of each shell its edges, what is above it and its cubics, to be looked up at once.
+        kink: Jump of the slope of extinction at each edge [m⁻²].
+        rows: Row of each shell: edges, what is above it and its cubics, to be looked up at once.
     """
 
     atmosphere: Atmosphere

@@ -61,7 +61,7 @@ class Path(eqx.Module):
         that glows evenly is seen with its own brightness, however thick, and no light is gained.
 
         Args:
-            leg: Of the ray.
+            leg: Leg of the ray.
             offset: Column between the eye and the stretch's nearer end [m].
             extinction: Where densities are 1 [m⁻¹].
         """
@@ -110,7 +110,7 @@ def sample(
 
     Args:
         medium: What the ray crosses.
-        leg: Of the ray.
+        leg: Leg of the ray.
         start: Nearer to the lowest point [m].
         end: Farther from it [m].
         panels: How many.
@@ -230,7 +230,7 @@ def _inside(
 
     Args:
         medium: What the leg crosses.
-        leg: Of a ray.
+        leg: Leg of a ray.
         at: Where it crosses the edges of shells [m].
         column: From its start to there [m].
         points: Distances outwards [m].

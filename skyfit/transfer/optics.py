@@ -22,10 +22,10 @@ class Optics(eqx.Module):
         extinction: [m⁻¹].
         scattering: Multiplies phase functions as they are [m⁻¹].
         straight: Part of scattering that goes straight on [m⁻¹].
-        harmonics: For each constituent scattering times the Legendre coefficients of the rest,
+        harmonics: Of each constituent, scattering times the Legendre coefficients of the rest,
             up to its degree [m⁻¹].
         ground_albedo: Lambertian.
-        blur: By how much forward peaks that meet twice differ from one met once as it is: Legendre
+        blur: Difference of forward peaks that meet twice from one met once as it is: Legendre
             coefficients of (r⋆r/2 - f r)/f with r = p - q, where phase functions do not end.
         endless: Whether harmonics of a constituent end only because they were cut.
     """

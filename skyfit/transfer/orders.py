@@ -30,7 +30,7 @@ class Source(eqx.Module):
     """What a field sends on, per unit of density: by constituent, and from the ground.
 
     Attributes:
-        scattered: For each constituent, harmonics of ∫ β p L dω [m⁻¹ sr⁻¹], up to its degree.
+        scattered: Of each constituent, harmonics of ∫ β p L dω [m⁻¹ sr⁻¹], up to its degree.
         ground: Radiance of the ground under each sun [sr⁻¹].
     """
 

@@ -30,7 +30,7 @@ class Leg(eqx.Module):
     """Part of a ray on one side of its lowest point.
 
     Attributes:
-        altitude: Of the lowest point [m].
+        altitude: Altitude of the lowest point [m].
         mu: Cosine of the zenith angle there, looking along the leg, 0 or more.
         length: From the lowest point to the end [m]; 0 if the ray has no such leg.
         low_distance: From the eye to the lowest point [m].
@@ -79,8 +79,8 @@ def legs(
     """Cut any ray at its lowest point.
 
     Args:
-        planet: Its shape.
-        altitude: Of the eye, inside the atmosphere [m].
+        planet: Shape of the planet.
+        altitude: Altitude of the eye, inside the atmosphere [m].
         mu: Cosine of the ray's zenith angle at the eye.
         farthest: No rising leg is longer [m]; see `Medium.sight`.
 

@@ -7,10 +7,10 @@ class Directions(NamedTuple):
     """Directions over which light is summed at a level of the field.
 
     Attributes:
-        up: Zenith angles above the horizontal.
-        limb: Between the horizontal and the horizon.
-        down: Below the horizon.
-        azimuths: In half a turn.
+        up: Number of zenith angles above the horizontal.
+        limb: Number of zenith angles between the horizontal and the horizon.
+        down: Number of zenith angles below the horizon.
+        azimuths: Number of azimuths in half a turn.
         degree: Highest degree of the spherical harmonics.
         modes: Highest azimuthal mode, cos(mφ), of the spherical harmonics.
     """
@@ -27,20 +27,22 @@ class Quality(NamedTuple):
     """How finely the simulator looks. All static: each set of sizes is one compiled program.
 
     Attributes:
-        view_panels: Of three nodes each along a line of sight, each lit stretch.
-        view_kinks: More of them; one ends at each of the density's strongest kinks.
-        column_angles: Table of columns towards the sun, in its zenith angle.
-        levels: Altitudes at which the light field is kept for the higher orders.
-        field_panels: Of three nodes each along a ray that ends at a level.
-        field_kinks: More of them, likewise.
+        view_panels: Number of panels of three Gauss nodes on each sunlit stretch of a line of
+            sight.
+        view_kinks: Number of further panels there, one ending at each of the density's strongest
+            kinks.
+        column_angles: Number of zenith angles in the table of columns towards the sun.
+        levels: Number of altitudes at which the light field is kept for the higher orders.
+        field_panels: Number of panels of three Gauss nodes on a ray that ends at a level.
+        field_kinks: Number of further panels there, likewise.
         first: Directions of the first order's field, as sharp as the phase functions.
         higher: Directions of the later orders' fields: each scattering smooths them. Neither its
             degree nor its modes may exceed those of `first`.
-        sun_azimuths: Azimuths at which the first order is integrated along a ray.
+        sun_azimuths: Number of azimuths at which the first order is integrated along a ray.
         sun_offsets_deg: Sun zeniths at which the field is kept, from the observer's [degree]; more
             are kept under a low sun.
         sharpest: Highest degree of Legendre polynomials in which forward peaks are known.
-        tolerance: Of the sum of all orders, relative.
+        tolerance: Relative error of the sum of all orders.
     """
 
     view_panels: int

@@ -193,7 +193,7 @@ def straightened(atmosphere: Atmosphere, angles: int) -> tuple[Atmosphere, Refra
 
     Args:
         atmosphere: One with refraction.
-        angles: Of the table of columns.
+        angles: Angles of the table of columns.
     """
     assert atmosphere.refraction is not None
     over = Unbending(atmosphere.refraction, atmosphere.planet_radius, atmosphere.top_altitude)

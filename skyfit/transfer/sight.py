@@ -40,7 +40,7 @@ def look_along(
         medium: What the ray crosses.
         ray: From inside the atmosphere.
         kind: "rising" saves the legs of falling rays.
-        panels: Of nodes on each leg.
+        panels: Number of panels of nodes on each leg.
         kinks: So many are ends of panels besides.
         dimming: See `sample`.
     """

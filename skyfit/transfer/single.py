@@ -169,8 +169,8 @@ def first_order(
         columns: Towards the sun.
         ray: The line of sight, from inside the atmosphere.
         suns: As seen from the eye, in the frame of the ray.
-        sight: Its legs.
-        panels: Of nodes on each stretch.
+        sight: Legs of the line of sight.
+        panels: Number of panels of nodes on each stretch.
         kinks: So many are ends of panels besides.
         split: Cut the ray where it enters and leaves the planet's shadow of each sun. Without, all
             suns share the nodes of `sight`, and those in the shadow are dark.

@@ -68,8 +68,8 @@ def estimated_error(fine: np.ndarray, coarse: np.ndarray) -> np.ndarray:
     Half of `relative_difference`: no bound, and blind to what all sizes have in common.
 
     Args:
-        fine: Of one or more skies, [..., wavelength].
-        coarse: The same at the next coarser sizes.
+        fine: Radiances of one or more skies, [..., wavelength].
+        coarse: Radiances at the next coarser sizes, in the same shape.
 
     Raises:
         ValueError: The coarser radiance is not finite.
@@ -145,7 +145,7 @@ def missing_above(atmosphere: Atmosphere, sun_zenith: float) -> float:
 
     Args:
         atmosphere: What scatters.
-        sun_zenith: Of the observer [rad].
+        sun_zenith: Zenith angle of the sun at the observer [rad].
     """
     if not np.pi / 2 < sun_zenith < np.pi:
         return 0.0

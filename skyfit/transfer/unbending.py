@@ -17,8 +17,8 @@ class Unbending(eqx.Module):
     """From altitudes h to those over which rays are straight, h', and back.
 
     Attributes:
-        refraction: Of the atmosphere.
-        radius: Of the planet [m].
+        refraction: Refraction of the atmosphere.
+        radius: Radius of the planet [m].
         top: Above it there is nothing [m].
     """
 

@@ -18,7 +18,7 @@ class Views(eqx.Module):
     Attributes:
         sun: Zenith angles [rad].
         view: Zenith angles of the lines of sight [rad].
-        altitude: Of the eye [m].
+        altitude: Altitude of the eye [m].
         azimuth: Relative azimuths on each line of sight [rad].
     """
 
