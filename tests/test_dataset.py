@@ -120,6 +120,7 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(calls, tmp_path, worke
     xr.testing.assert_identical(skyfit.load_dataset(store), resumed)
 
 
+@pytest.mark.float64
 @pytest.mark.parametrize(("workers", "suns_per_call"), [(1, 2), (2, 1), (2, 3), (3, 2)])
 def test_how_the_work_is_cut_does_not_change_the_skies(calls, workers, suns_per_call):
     cut = skyfit.run_campaign(SMALL, workers=workers, suns_per_call=suns_per_call)

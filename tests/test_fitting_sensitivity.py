@@ -49,6 +49,7 @@ def sensitivity(at, atmosphere=hazy, **changed):
     return coefficient_sensitivity(atmosphere, at, quality="draft", **views)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_central_differences():
     found = sensitivity(HERE)
     assert list(found.at) == list(HERE)
@@ -86,6 +87,7 @@ def test_what_cannot_be_varied_is_refused(at, changed, message):
         sensitivity(at, **changed)
 
 
+@pytest.mark.slow
 def test_the_coefficients_are_those_of_the_fit(monkeypatch):
     fits = []
     fit_groups = skyfit.retrieval.sensitivity.fit_groups

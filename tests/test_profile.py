@@ -129,6 +129,7 @@ def test_profiles_tell_where_they_are_not_smooth():
     np.testing.assert_allclose(1e-3 * knots, want, atol=6e-4)
 
 
+@pytest.mark.float64
 @names
 def test_profiles_answer_in_the_shape_of_the_altitude(rho):
     assert density(rho, 1e3).shape == ()
@@ -145,6 +146,7 @@ def test_a_profile_and_its_methods_can_be_jitted_and_vmapped_as_they_are(rho):
     np.testing.assert_allclose(jax.jit(rho.column)(60e3), column(rho, 60e3), rtol=1e-14)
 
 
+@pytest.mark.float64
 @names
 def test_profiles_in_float32_are_within_rounding_of_float64(rho):
     # 30.4 km in steps of 301 m: no knot is hit, where a table jumps to nothing.

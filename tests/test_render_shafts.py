@@ -73,6 +73,7 @@ def test_points_in_the_air_see_the_sun_where_a_plain_walk_does(hills):
     assert np.abs(got - expected).max() < 0.3
 
 
+@pytest.mark.slow
 def test_lost_light_is_what_a_plain_march_through_the_shadows_finds(hills, air):
     eye = 300.0, 6700.0, 150.0  # in the shade of a hill
     zenith, azimuth = np.radians([80.0, 88.0, 93.0, 100.0]), AZIMUTH + np.radians([5, -20, 60, 150])
@@ -125,6 +126,7 @@ def test_an_eye_in_full_shadow_loses_all_sunlight_of_the_air_before_near_land(ai
     )
 
 
+@pytest.mark.slow
 def test_shafts_darken_air_and_sky_and_change_nothing_where_no_land_shades(published, air, hills):
     camera = Perspective(12, 9, AZIMUTH, 0.1, 1.0, 30.0)
     flat = Elevation(np.zeros((60, 70)), 120.0, 100.0)

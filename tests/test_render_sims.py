@@ -31,6 +31,7 @@ def drafted(file, folder):
     return folder / file.name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_shipped_sky_gives_a_picture_of_its_planet(file, tmp_path, capsys):
     values = load_campaign(file).swept[1]

@@ -25,6 +25,7 @@ def reflection():
     return np.asarray(sky.by_order) / sunlight
 
 
+@pytest.mark.slow
 def test_every_order_of_a_flat_atmosphere_is_reciprocal(reflection):
     # The orders are sums over different directions from the one side and the other: default
     # quality promises 0.5 %.
@@ -32,6 +33,7 @@ def test_every_order_of_a_flat_atmosphere_is_reciprocal(reflection):
     np.testing.assert_allclose(reflection, traded, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_the_radiance_itself_is_not_symmetric(reflection):
     suns = np.cos(np.radians([10.0, 35.0, 60.0]))[None, :, None, None]
     radiance = reflection * suns
