@@ -40,9 +40,6 @@ GRADIENT = eqx.filter_jit(jax.value_and_grad(total, argnums=(0, 1, 2, 3, 4)))
 VALUE = eqx.filter_jit(total)  # runs in a fraction of the time, which some thirty differences pay
 
 
-# A known fault, no matter of tolerance: by absorption the difference is off the gradient by a
-# factor of two or more, and nothing after it is compared. Which of the two is right is not proven;
-# jumps of the sun's columns where nodes cross edges of shells are suspected.
 @pytest.mark.slow
 def test_gradients_are_those_of_central_differences():
     at = (PARAMETERS, *(jnp.asarray(x) for x in (0.9, 1.1, 0.7, 500.0)))
