@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import numpy as np
-
 from ..colour import PAPER_CHANNELS
 from ..fitting import SkyFit
+from ..fitting.document import plain
 from ..models.formula import CHANNELS as MODEL_CHANNELS
 from ..models.perez import COEFFICIENTS, Perez
 from ..models.preetham import (
@@ -66,12 +65,6 @@ def zenith_record(fit: SkyFit) -> dict[str, Any]:
         "y": {"matrix": matrix_y.tolist()},
         "Y": {"linear": list(ZENITH_LUMINANCE), "angle": list(ZENITH_ANGLE)},
     }
-
-    def plain(numbers: dict[str, dict[str, np.ndarray]]) -> dict[str, dict[str, Any]]:
-        return {
-            channel: {name: np.asarray(array).tolist() for name, array in parts.items()}
-            for channel, parts in numbers.items()
-        }
 
     return {
         "refit": plain(fit.zenith),
