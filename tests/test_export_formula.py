@@ -28,8 +28,8 @@ CASES = [
 ]
 
 
-# Which of a distribution's starts is nearly uniform.
-NEARLY_UNIFORM = {"perez": -1, "cie": -1, "hosek-wilkie": -1, "series": 0}
+# Which of a distribution's starts for a chromaticity is nearly uniform.
+NEARLY_UNIFORM = {"perez": 0, "cie": -1, "hosek-wilkie": -1, "series": 0}
 
 
 def sky(shape, basis, kind):
@@ -39,7 +39,7 @@ def sky(shape, basis, kind):
         return model
     # Chromaticities are nearly uniform, around 0.3.
     only = BASES[basis].constant()
-    start = free_start(model.distribution, NEARLY_UNIFORM[shape])
+    start = free_start(model.distribution, NEARLY_UNIFORM[shape], "x")
     numbers = model.numbers.at[:2].set(start[:, None] * only)
     scales = model.scale.numbers.at[:2].set(np.log(0.3) * only)
     return eqx.tree_at(lambda m: (m.numbers, m.scale.numbers), model, (numbers, scales))

@@ -60,9 +60,9 @@ def numbers_of(shape, basis, seed=0):
     return table + free_start(shape)[:, None] * basis.constant()
 
 
-def free_start(shape, which=0):
+def free_start(shape, which=0, channel="Y"):
     """Free numbers of a distribution's start."""
-    return np.asarray(shape.free_numbers(as_float(shape.starts("Y")[which])))
+    return np.asarray(shape.free_numbers(as_float(shape.starts(channel)[which])))
 
 
 def sky_of(shape, basis, kind="XYZ", wavelengths=None, parameter=3.0):
