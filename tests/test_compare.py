@@ -94,8 +94,8 @@ def test_fits_are_rows_and_must_be_over_turbidity(tmp_path, capsys):
     # A fit of the published model's skies is that model.
     for name, value in rows[0]["luminance"].items():
         assert rows[1]["luminance"][name] == pytest.approx(value, rel=1e-4)
-    other = dataclasses.replace(fit, parameter_name="visibility")
-    with pytest.raises(ValueError, match=r"mine is a fit over 'visibility', expected turbidity"):
+    other = dataclasses.replace(fit, ranges=(("visibility", (2.0, 6.0)),))
+    with pytest.raises(ValueError, match=r"mine is a fit over \['visibility'\], expected turbid"):
         compare_skies(SUN, 3.0, fits={"mine": other}, models=PUBLISHED)
 
 
