@@ -89,7 +89,7 @@ def test_luminance_has_a_pole_below_the_valid_range():
 def test_zenith_luminance_would_turn_negative_for_low_suns():
     # The elevations at which the published zenith luminance vanishes: -4.2° at T = 6, -0.59° at
     # T = 10, +2.6° at T = 20.
-    sky = preetham_sky(3.0).zenith_luminance
+    sky = preetham_sky(3.0).scale.luminance
     for turbidity, elevation in ((6.0, -4.2), (10.0, -0.59), (20.0, 2.6)):
         zenith = [np.radians(90 - elevation - d) for d in (0.05, -0.05)]
         above, below = (float(sky(jnp.asarray(turbidity), jnp.asarray(z))) for z in zenith)
