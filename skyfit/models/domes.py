@@ -68,6 +68,8 @@ class HosekWilkie(AbstractDistribution):
     )
     relative = False
     horizon_weight = 0.05
+    # Nine numbers trade more than five: at 1, one of them runs away where there are no skies.
+    unit = 0.5
 
     @property
     def names(self):
