@@ -14,12 +14,14 @@ from model_skies import model_skies
 from skyfit.cli import run
 from skyfit.dataset import SCHEMA, save_dataset
 from skyfit.export import export_fit
-from skyfit.fitting import Dependence, SkyFit, fit_sky, load_fit
-from skyfit.judging import shape_error
+from skyfit.fitting import Dependence, SkyFit, fit_sky, load_fit, positivity
+from skyfit.judging import compare_weights, shape_error
 from skyfit.models import preetham_sky
 from skyfit.models.domes import Series
 from skyfit.models.perez import Perez
 from skyfit.models.preetham import published_coefficients
+from skyfit.plots.coefficients import coefficient_chart
+from skyfit.report.coefficients import coefficient_table
 
 
 FILES = Path(__file__).parent / "files"
@@ -166,6 +168,22 @@ def test_a_fit_over_two_parameters_has_a_plane_of_coefficients(over_two, tmp_pat
     )
     with pytest.raises(ValueError, match=r"expected the parameters \['cover', 'turbidity'\]; got"):
         fit.sky(turbidity=4.0)
+
+
+def test_what_is_made_for_one_parameter_refuses_two(over_two):
+    fit = fit_sky(over_two)
+    with pytest.raises(ValueError, match="this one is over cover, turbidity"):
+        _ = fit.parameter_name
+    with pytest.raises(ValueError, match=r"coefficient_table\(fit=...\): expected Perez's form"):
+        coefficient_table(fit)
+    with pytest.raises(ValueError, match="expected a fit over one parameter"):
+        coefficient_chart(fit)
+    with pytest.raises(ValueError, match=r"expected one swept parameter; got \['cover', 'turb"):
+        compare_weights(over_two)
+    with pytest.raises(
+        ValueError, match=r"\(parameter_range=...\): expected a fit over one"
+    ):
+        positivity(fit, parameter_range=(0.0, 1.0))
 
 
 def test_an_exported_sky_takes_both_parameters(over_two, tmp_path):

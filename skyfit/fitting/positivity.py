@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .._typing import as_float
 from ..colour import matching_functions
+from ..errors import InputError
 from ..models import AbstractSkyModel
 
 
@@ -131,6 +132,11 @@ def _family(sky, parameter_range):
     if hasattr(sky, "swept"):
         swept = dict(sky.swept)
         if parameter_range is not None:
+            if len(swept) != 1:
+                raise InputError(
+                    "positivity(parameter_range=...): expected a fit over one parameter; got one "
+                    f"over {list(swept)}"
+                )
             swept = dict.fromkeys(swept, parameter_range)
         return swept, lambda *values: sky.sky(**dict(zip(swept, values, strict=True)))
     probe = sky(3.0 if parameter_range is None else parameter_range[0])

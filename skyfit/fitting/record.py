@@ -175,13 +175,29 @@ class SkyFit(eqx.Module):
 
     @property
     def parameter_name(self) -> str | None:
-        """Name of the one swept parameter; None if nothing was swept."""
-        return self.ranges[0][0] if self.ranges else None
+        """Name of the one swept parameter; None if nothing was swept.
+
+        Raises:
+            ValueError: Several were swept; `swept` has them all.
+        """
+        one = self._one_parameter()
+        return one and one[0]
 
     @property
     def parameter_range(self) -> tuple[float, float] | None:
-        """Values of the one swept parameter between which the fit holds; None if there is none."""
-        return self.ranges[0][1] if self.ranges else None
+        """Values of the one swept parameter between which the fit holds; None if there is none.
+
+        Raises:
+            ValueError: Several were swept; `swept` has them all.
+        """
+        one = self._one_parameter()
+        return one and one[1]
+
+    def _one_parameter(self) -> tuple[str, tuple[float, float]] | None:
+        if len(self.ranges) > 1:
+            names = ", ".join(self.swept)
+            raise InputError(f"SkyFit: expected a fit over one parameter; this one is over {names}")
+        return self.ranges[0] if self.ranges else None
 
     @property
     def diagnostics(self) -> dict[str, Diagnostics]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._typing import as_float
+from ..errors import InputError
 from ..fitting.batch import evaluate, fit_groups
 from ..fitting.choices import FitSettings
 from ..fitting.document import plain
@@ -52,7 +53,7 @@ def compare_weights(data: "xr.Dataset") -> dict[str, Weighting]:
     """Fit Perez's form with relative, absolute and solid-angle weights.
 
     Args:
-        data: Skies, as for `fit_sky`.
+        data: Skies, as for `fit_sky`, over one parameter or none.
 
     Returns:
         By choice: "relative" (model / data - 1, every direction alike; what `fit_sky` does),
@@ -60,6 +61,10 @@ def compare_weights(data: "xr.Dataset") -> dict[str, Weighting]:
         direction by its share of the dome).
     """
     skies = read_skies(data, "compare_weights")
+    if len(skies.swept) > 1:
+        raise InputError(
+            f"compare_weights(data=...): expected one swept parameter; got {list(skies.swept)}"
+        )
     fits = {name: fit_groups(skies, PUBLISHED, settings) for name, settings in CHOICES.items()}
     found = {}
     for name, settings in CHOICES.items():

@@ -3,6 +3,7 @@
 from typing import Any
 
 from ..colour import PAPER_CHANNELS
+from ..errors import InputError
 from ..fitting import SkyFit
 from ..fitting.document import plain
 from ..models.formula import CHANNELS as MODEL_CHANNELS
@@ -39,6 +40,10 @@ def coefficient_table(fit: SkyFit) -> dict[str, dict[str, dict[str, dict[str, fl
         By channel (Y, x, y), coefficient (A to E), part (slope, intercept) and kind (refit,
         standard_error, published).
     """
+    if not has_published_form(fit):
+        raise InputError(
+            "coefficient_table(fit=...): expected Perez's form of x, y, Y over one parameter"
+        )
     published = published_coefficients() if fit.parameter_name == "turbidity" else None
     table = {}
     for channel in PAPER_CHANNELS:
