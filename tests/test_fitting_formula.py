@@ -180,9 +180,7 @@ def test_what_is_made_for_one_parameter_refuses_two(over_two):
         coefficient_chart(fit)
     with pytest.raises(ValueError, match=r"expected one swept parameter; got \['cover', 'turb"):
         compare_weights(over_two)
-    with pytest.raises(
-        ValueError, match=r"\(parameter_range=...\): expected a fit over one"
-    ):
+    with pytest.raises(ValueError, match=r"\(parameter_range=...\): expected a fit over one"):
         positivity(fit, parameter_range=(0.0, 1.0))
 
 

@@ -248,6 +248,39 @@ def test_general_rays_agree_with_those_known_to_rise():
 
 
 @pytest.mark.slow
+def test_the_program_may_be_promised_inside_jit_and_kept_outside():
+    atm = paper_air()
+    known = skyfit.simulate(atm, SUN, VIEW, AZIMUTH, quality="draft").by_order
+
+    def light(at, program):
+        return skyfit.simulate(
+            atm, *at[:3], 2, "spherical", "draft", at[3], program=program
+        ).by_order
+
+    at = tuple(map(jnp.asarray, (SUN, VIEW, AZIMUTH, 0.0)))
+    jitted = jax.jit(light, static_argnums=1)
+    np.testing.assert_allclose(jitted(at, "day"), known, rtol=1e-9)
+    with pytest.raises(Exception, match=r"sun_zenith=...\) must lie in \[0, 86 degrees\] by day"):
+        jax.block_until_ready(jitted((jnp.radians(91.0), *at[1:]), "day"))
+    np.testing.assert_allclose(light(at, "any"), jitted(at, "auto"), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"sun_zenith": 1.56}, r"sun_zenith=...\) must lie in \[0, 86 degrees\] by day; got 1.56"),
+        ({"view_zenith": 1.7}, r"view_zenith=...\) must lie in \[0, pi/2\] by day; got 1.7"),
+        ({"observer_altitude": 10.0}, r"observer_altitude=...\) must be 0 by day; got 10"),
+        ({"program": "night"}, r"program=...\): expected one of .*'night'"),
+    ],
+)
+def test_a_promise_that_does_not_hold_is_refused(given, message):
+    angles = {"sun_zenith": 0.5, "view_zenith": 0.5, "relative_azimuth": 0.5, "program": "day"}
+    with pytest.raises(ValueError, match=message):
+        skyfit.simulate(paper_air(), **angles | given)
+
+
+@pytest.mark.slow
 def test_the_sky_is_its_own_mirror_image_and_periodic_in_azimuth():
     atm = paper_air()
     args = dict(quality="draft")

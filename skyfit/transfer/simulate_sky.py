@@ -26,6 +26,7 @@ from .views import group
 
 LOW_SUN = np.radians(86.0)
 HIGH_UP = 20e3  # m
+PROGRAMS = ("auto", "day", "any")
 _DARK = 1e-6  # of the sunlight above the air, in a steradian: light is not known better
 _NOTICED = 1e-3  # of a radiance: less may be added to it without a word where an order was below 0
 PAPER_FLAT_BELOW = np.radians(70.0)  # view zenith; Preetham et al. (1999), section 3.2
@@ -61,6 +62,7 @@ def simulate(
     quality: str | Quality = "default",
     observer_altitude: ArrayLike = 0.0,
     estimate_error: bool = False,
+    program: str = "auto",
 ) -> Sky:
     """Simulate the radiance of a sky, without the sun's disc.
 
@@ -81,13 +83,16 @@ def simulate(
         observer_altitude: 0 or more; above the atmosphere as well [m].
         estimate_error: Simulate with the next coarser sizes too and say how far the radiance may be
             off; an estimate above 2 % is warned of. Not inside a caller's `jit`.
+        program: "day" promises eyes on the ground, suns up to 86° from the zenith and no view below
+            the horizontal, "any" nothing; "auto" chooses by the values that are known, which inside
+            `jit` are none: there "day" is the faster program, and outside it "any" is the same one.
 
     Returns:
         The sky; its spectra have the atmosphere's wavelengths.
 
     Raises:
-        ValueError: An angle or altitude out of its range, an unknown geometry or quality; light
-            that is negative or not finite, where it is known.
+        ValueError: An angle or altitude out of its range or of what `program` promises, an unknown
+            geometry, quality or program; light that is negative or not finite, where it is known.
 
     Warns:
         AccuracyWarning: The sun has set and much of the lit air would lie above the top; refraction
@@ -95,7 +100,7 @@ def simulate(
     """
     sky = _sky(
         atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry, quality,
-        observer_altitude,
+        observer_altitude, program,
     )  # fmt: skip
     if is_traced(sky.by_order, sky.tail):
         if estimate_error:
@@ -121,7 +126,7 @@ def simulate(
         return sky
     coarse = coarser_radiance(
         atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry, quality,
-        observer_altitude,
+        observer_altitude, program,
     )  # fmt: skip
     estimate = estimated_error(radiance, coarse)
     warn_of_error(estimate)
@@ -139,6 +144,7 @@ def coarser_radiance(
     geometry: str = "spherical",
     quality: str | Quality = "default",
     observer_altitude: ArrayLike = 0.0,
+    program: str = "auto",
 ) -> np.ndarray:
     """Radiance at the sizes next coarser than a quality's, as it comes out [W m⁻² sr⁻¹ nm⁻¹].
 
@@ -146,7 +152,7 @@ def coarser_radiance(
     """
     sky = _sky(
         atmosphere, sun_zenith, view_zenith, relative_azimuth, orders, geometry,
-        coarser(_sizes(orders, geometry, quality)), observer_altitude,
+        coarser(_sizes(orders, geometry, quality)), observer_altitude, program,
     )  # fmt: skip
     return np.asarray(sky.radiance)
 
@@ -179,20 +185,27 @@ def _sky(
     geometry: str,
     quality: str | Quality,
     observer_altitude: ArrayLike,
+    program: str,
 ) -> Sky:
     """`simulate` without its judgement of what comes out."""
     sizes = _sizes(orders, geometry, quality)
+    if program not in PROGRAMS:
+        raise InputError(f"simulate(program=...): expected one of {PROGRAMS}; got {program!r}")
     sun = _checked(sun_zenith, "sun_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
     view = _checked(view_zenith, "view_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
     azimuth = _checked(relative_azimuth, "relative_azimuth", "must be finite, in rad")
     altitude = _checked(observer_altitude, "observer_altitude", "must be 0 m or more", 0.0)
+    if program == "day":
+        sun = _checked(sun, "sun_zenith", "must lie in [0, 86 degrees] by day", 0.0, LOW_SUN)
+        view = _checked(view, "view_zenith", "must lie in [0, pi/2] by day", 0.0, np.pi / 2)
+        altitude = _checked(altitude, "observer_altitude", "must be 0 by day", 0.0, 0.0)
     full = np.broadcast_shapes(sun.shape, view.shape, azimuth.shape, altitude.shape)
     if 0 in full:
         none = jnp.zeros((2 if orders is None else orders, *full, atmosphere.wavelengths.size))
         return Sky(none, none[0])
     if geometry == "paper":
         flat, spherical = (
-            _sky(atmosphere, sun, view, azimuth, orders, one, quality, altitude)
+            _sky(atmosphere, sun, view, azimuth, orders, one, quality, altitude, program)
             for one in ("flat", "spherical")
         )
         near = view < PAPER_FLAT_BELOW
@@ -201,11 +214,7 @@ def _sky(
     # Inside a caller's `jit` known directions are constants, with which XLA would compute at length
     # while compiling.
     views = jax.lax.optimization_barrier(views)
-    rising = _known(view, lambda v: v <= np.pi / 2 + 1e-6) and _known(altitude, lambda h: h == 0)
-    day = rising and _known(sun, lambda s: s <= np.pi / 2)
-    suns: Suns = "all"
-    if _known(altitude, lambda h: h <= HIGH_UP):
-        suns = "near" if _known(sun, lambda s: s <= LOW_SUN) else "low" if day else "twilight"
+    rising, day, suns = _promised(program, sun, view, altitude)
     if suns != "near" and geometry != "flat":
         sizes = sizes.at_sunset() if suns == "low" else sizes.at_dusk()
     by_order, total = orders_with_bands(
@@ -215,6 +224,18 @@ def _sky(
     )  # fmt: skip
     by_order, total = shape.restore(by_order), shape.restore(total)[0]
     return Sky(by_order, total - jnp.sum(by_order, axis=0) if orders is None else 0 * total)
+
+
+def _promised(program: str, sun, view, altitude) -> tuple[bool, bool, Suns]:
+    """Whether rays rise, whether it is day, and under which suns the field is kept."""
+    if program != "auto":
+        return (True, True, "near") if program == "day" else (False, False, "all")
+    rising = _known(view, lambda v: v <= np.pi / 2 + 1e-6) and _known(altitude, lambda h: h == 0)
+    day = rising and _known(sun, lambda s: s <= np.pi / 2)
+    if not _known(altitude, lambda h: h <= HIGH_UP):
+        return rising, day, "all"
+    low: Suns = "low" if day else "twilight"
+    return rising, day, "near" if _known(sun, lambda s: s <= LOW_SUN) else low
 
 
 def _unbent_if_idle(atmosphere: Atmosphere, geometry: str) -> Atmosphere:
