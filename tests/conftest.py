@@ -36,7 +36,7 @@ def holds_in_float32(item):
 
 def fails_if_skipped(report):
     """Where nothing may be skipped, what is skipped has failed, with the reason it gave."""
-    if NO_SKIPS and report.skipped and not hasattr(report, "wasxfail"):
+    if NO_SKIPS and report.skipped:
         reason = report.longrepr[2]
         report.outcome = "failed"
         report.longrepr = f"SKYFIT_NO_SKIPS=1, but {report.nodeid} was skipped: {reason}"

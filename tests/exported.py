@@ -6,15 +6,13 @@ has xyY, XYZ and linear RGB by directions, and xyY by angles.
 """
 
 import os
-import shutil
 import subprocess
 import sys
 import sysconfig
 from pathlib import Path
 
 import numpy as np
-import pytest
-from peers import peer
+from peers import peer, peer_program
 
 
 _C = """
@@ -129,9 +127,7 @@ def validate_shader(text: str, where: Path, *options: str) -> subprocess.Complet
     prefix = Path(sysconfig.get_path("purelib"), "cmeel.prefix")
     # The wheel's program finds its libraries only when told where they are.
     environment = os.environ | {"LD_LIBRARY_PATH": str(prefix / "lib")}
-    program = shutil.which("glslangValidator", path=str(prefix / "bin"))
-    if program is None:
-        pytest.skip("no glslangValidator: pip install 'skyfit[test]'")
+    program = peer_program("glslangValidator", prefix / "bin")
     return subprocess.run(
         [program, *options, "shader.frag"],
         cwd=where, env=environment, capture_output=True, text=True,

@@ -45,13 +45,6 @@ import pytest
 def test_long():
     pass
 """
-EXPECTED_TO_FAIL = """
-import pytest
-
-@pytest.mark.xfail
-def test_known():
-    raise AssertionError
-"""
 
 
 def outcome(where, text, no_skips):
@@ -81,10 +74,6 @@ def test_what_a_missing_program_skips_has_failed_where_nothing_may_be_skipped(te
     assert code in (pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED)
     assert "skipped: " in said
     assert "a_program_that_nobody_has cannot be imported: pip install 'skyfit[test]'" in said
-
-
-def test_what_is_known_to_fail_is_not_skipped(tmp_path):
-    assert outcome(tmp_path, EXPECTED_TO_FAIL, "1")[0] == pytest.ExitCode.OK
 
 
 def test_files_with_slow_tests_come_first(tmp_path):

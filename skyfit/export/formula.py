@@ -1,7 +1,5 @@
 """Description of `FormulaSky` as source code: distribution, coefficients, scale, channels."""
 
-import re
-
 import numpy as np
 
 from ..colour import D65_WHITE, srgb_matrix, xyz_weights
@@ -11,6 +9,8 @@ from ..models.scale import LogScale, PaperZenith
 from .dependence import Terms
 from .description import Description, Function, Line, exact, needed, number
 from .distributions import distribution, linked
+from .frame import framed
+from .names import argument_names
 from .scales import scale_functions, scale_of_channel
 
 
@@ -47,8 +47,15 @@ _XYZ_TO_XYY = Function(
 
 def describe_formula(sky: FormulaSky) -> Description:
     """Describe a formula for any values of its parameters."""
-    # A name such as "haze.optical_depth" is none in a program.
-    swept = tuple(re.sub(r"\W", "_", name) for name, _ in sky.ranges)
+    swept = tuple(f"swept_{k}" for k in range(len(sky.ranges)))
+    others = framed(_described(sky, swept), single=False) + framed(
+        _described(sky, swept), single=True
+    )
+    return _described(sky, argument_names((name for name, _ in sky.ranges), others))
+
+
+def _described(sky: FormulaSky, swept: tuple[str, ...]) -> Description:
+    """The formula with these names for its parameters."""
     names = dict(zip((name for name, _ in sky.ranges), swept, strict=True)) | {SUN: SUN}
     channels = _channels(sky)
     scales = scale_functions(sky.scale, swept)

@@ -13,7 +13,7 @@ from ..models.basis import SUN, Basis, Chebyshev, Line, Tents
 from ..models.distribution import AbstractDistribution
 from ..models.domes import DISTRIBUTIONS
 from ..models.perez import Perez
-from .skies import RESIDUALS, WEIGHTS, Skies
+from .skies import RESIDUALS, WEIGHTS, Skies, distinct
 
 
 # Directions closer to the horizon are left out: over the last degrees a hazy horizon darkens by an
@@ -85,7 +85,7 @@ class Dependence:
         if self.kind == "linear":
             return Basis(tuple(Tents(name, ends) for name, ends in _varied(skies)))
         if self.kind == "nodes":
-            values = {name: np.unique(v.round(9)) for name, v in skies.quantities.items()}
+            values = {name: distinct(v) for name, v in skies.quantities.items()}
             return Basis(tuple(Tents(n, v) for n, v in values.items() if v.size > 1))
         return self._polynomial(skies, self.parameter_degree, self.sun_degree)
 
@@ -118,7 +118,7 @@ class Dependence:
         axes = []
         for name, values in skies.quantities.items():
             at_sun = name == SUN
-            most = np.unique(values.round(9)).size - 1
+            most = distinct(values).size - 1
             degree = min(sun_degree if at_sun else parameter_degree, most)
             function = SUN_FUNCTIONS[self.sun_function] if at_sun else "identity"
             if degree:

@@ -226,6 +226,13 @@ def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
             )
 
 
+def distinct(values: Float[np.ndarray, " sky"]) -> Float[np.ndarray, " value"]:
+    """Values that differ by more than rounding errors, 1e-9 of the largest, increasing."""
+    ordered = np.unique(values)
+    gap = 1e-9 * np.abs(ordered).max()
+    return ordered[np.r_[True, np.diff(ordered) > gap]]
+
+
 def zenith_values(
     view: Float[np.ndarray, "sky direction"], values: Float[np.ndarray, "channel sky direction"]
 ) -> Float[np.ndarray, "channel sky"] | None:

@@ -18,7 +18,7 @@ from ..fitting import Dependence, Positivity, SkyFit
 from ..fitting.channels import Channels, read_channels
 from ..fitting.choices import MAX_VIEW_ZENITH, FitSettings, chosen_formula
 from ..fitting.fit import fit_formula
-from ..fitting.skies import Skies, read_skies
+from ..fitting.skies import Skies, distinct, read_skies
 from ..models.distribution import AbstractDistribution
 from ..models.domes import DISTRIBUTIONS
 from ..models.formula import CHANNELS
@@ -143,7 +143,7 @@ def leave_out(skies: Skies) -> Iterator[Bool[np.ndarray, " sky"]]:
         ValueError: There are no inner ones.
     """
     quantities = list(skies.quantities.values())
-    axes = [np.unique(values.round(9))[1:-1] for values in quantities]
+    axes = [distinct(values)[1:-1] for values in quantities]
     if not any(axis.size for axis in axes):
         raise InputError(
             "ladder(data=...): nothing to leave out; expected three or more suns, or values of "
@@ -151,7 +151,7 @@ def leave_out(skies: Skies) -> Iterator[Bool[np.ndarray, " sky"]]:
         )
     for fold in range(FOLDS):
         parts = [
-            np.isin(values.round(9), axis[fold::FOLDS])
+            np.isclose(values[:, None], axis[None, fold::FOLDS], rtol=1e-9, atol=0).any(1)
             for values, axis in zip(quantities, axes, strict=True)
         ]
         away = np.any(parts, axis=0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..fitting.skies import Skies
+from ..fitting.skies import Skies, distinct
 
 
 Values = Mapping[str, Float[np.ndarray, "sky direction"]]
@@ -72,10 +72,13 @@ def _misfit(parts, truth, is_light, inside, skies: Skies) -> Misfit:
     place = {name: float(values[sky[i]]) for name, values in skies.swept.items()}
 
     def along(axis):
-        values = axis[sky].round(9)
+        values = axis[sky]
         return tuple(
-            (float(value), float(np.sqrt(np.nanmean(error[values == value] ** 2))))
-            for value in np.unique(values)
+            (
+                float(value),
+                float(np.sqrt(np.nanmean(error[np.isclose(values, value, 1e-9, 0)] ** 2))),
+            )
+            for value in distinct(values)
         )
 
     return Misfit(
