@@ -136,6 +136,9 @@ def in_degrees(name):
         (in_degrees("view_zenith"), "view_zenith must lie in 0 to π rad; got 10"),
         (DATA.drop_vars("view_zenith"), "expected a variable 'view_zenith'"),
         (DATA.drop_vars("x"), r"\['x'\] are missing"),
+        (DATA.isel(sun_zenith=slice(0, 0)), "expected skies; sun_zenith is empty"),
+        (DATA.isel(direction=slice(0, 0)), "expected skies; direction is empty"),
+        (DATA.rename(turbidity="self"), "may not be called 'self'"),
         (DATA.drop_vars("turbidity"), "dimension 'turbidity' has no coordinate values"),
     ],
 )  # fmt: skip

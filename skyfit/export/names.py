@@ -27,7 +27,7 @@ typeid typename typeof uint uint2 uint3 uint4 undefined uniform union unorm unsi
 uvec3 uvec4 var varying vec vec2 vec3 vec4 vector vertexfragment virtual void volatile while with
 writeonly yield np numpy
 """
-RESERVED = frozenset(_RESERVED.split()) | frozenset(keyword.kwlist + keyword.softkwlist)
+RESERVED = frozenset(_RESERVED.split()) | frozenset((*keyword.kwlist, *keyword.softkwlist))
 
 
 def argument_names(names: Iterable[str], functions: Iterable[Function]) -> tuple[str, ...]:

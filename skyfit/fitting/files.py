@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..models.basis import basis_from
+from ..models.basis import SUN, basis_from
 from ..models.domes import distribution_from
 from ..models.formula import CHANNEL_KINDS
 from ..models.scale import PaperZenith, scale_from
@@ -30,6 +30,8 @@ def load_fit(path: str | PathLike[str]) -> SkyFit:
         return _fit(path, document)
     except KeyError as error:
         raise InputError(f"{path}: key {error} is missing") from error
+    except (AttributeError, TypeError) as error:
+        raise InputError(f"{path}: expected a fit as skyfit writes it; {error}") from error
 
 
 def _fit(path, document) -> SkyFit:
@@ -48,6 +50,9 @@ def _fit(path, document) -> SkyFit:
         scale = scale_from(formula["scale"])
     except (TypeError, ValueError) as error:
         raise InputError(f"{path}: formula.scale: {error}") from error
+    ranges = tuple((str(name), _ends(path, name, ends)) for name, ends in formula["ranges"].items())
+    sun_range = _ends(path, "sun_zenith", formula["sun_zenith_range"])
+    _refuse_unknown(path, basis, scale, {name for name, _ in ranges})
     size = (len(distribution.names), basis.num_terms)
 
     def tables(key, record):
@@ -79,10 +84,29 @@ def _fit(path, document) -> SkyFit:
         linked=bool(formula["linked"]),
         kind=kind,
         channels=tuple(names),
-        ranges=tuple((name, tuple(ends)) for name, ends in formula["ranges"].items()),
-        sun_zenith_range=tuple(formula["sun_zenith_range"]),
+        ranges=ranges,
+        sun_zenith_range=sun_range,
         notes=_notes(document, names),
     )
+
+
+def _ends(path, name, ends) -> tuple[float, float]:
+    low, high = array_of(path, f"formula: range of {name}", ends, (2,)).tolist()
+    if not low <= high:
+        raise InputError(f"{path}: formula: range of {name}: expected low, high; got {low}, {high}")
+    return low, high
+
+
+def _refuse_unknown(path, basis, scale, swept: set[str]) -> None:
+    """Refuse a formula of quantities that nobody gives it."""
+    axes = basis.axes if isinstance(scale, PaperZenith) else (*basis.axes, *scale.basis.axes)
+    used = {axis.quantity for axis in axes} - {SUN}
+    if isinstance(scale, PaperZenith) and scale.quantity:
+        used.add(scale.quantity)
+    if used - swept:
+        raise InputError(
+            f"{path}: formula: expected quantities of {sorted(swept)}; got {sorted(used - swept)}"
+        )
 
 
 def _notes(document, names) -> Notes:

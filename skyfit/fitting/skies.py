@@ -149,7 +149,12 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     channels = _channels(data, caller)
     dims = tuple(str(d) for d in channels["Y"].dims if d != "direction")
     swept = [d for d in dims if d not in SUN_DIMENSIONS]
+    empty = [str(d) for d, size in channels["Y"].sizes.items() if size == 0]
+    if empty:
+        raise InputError(f"{caller}(data=...): expected skies; {', '.join(empty)} is empty")
     for name in swept:
+        if name == "self":  # `fit.sky(self=...)` is no call
+            raise InputError(f"{caller}(data=...): a parameter may not be called {name!r}")
         if name not in data.coords:
             raise InputError(f"{caller}(data=...): dimension {name!r} has no coordinate values")
     shape = tuple(channels["Y"].sizes[d] for d in dims)

@@ -79,7 +79,7 @@ def preetham_sky(turbidity: ArrayLike) -> FormulaSky:
 
 def warn_outside(value: ArrayLike, valid: tuple[float, float], argument: str) -> None:
     """Warn that a known value lies outside a valid range and is held at its end."""
-    if is_traced(value):
+    if is_traced(value) or np.size(value) == 0:
         return
     known = np.asarray(value)  # of a JAX array: its own `min` would be traced inside `jit`
     low, high = float(known.min()), float(known.max())
