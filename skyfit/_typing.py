@@ -59,6 +59,22 @@ def as_scalar(value: ArrayLike, name: str) -> Scalar:
     return number
 
 
+def as_table(value: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Finite numbers of a file as an array of float64.
+
+    Raises:
+        ValueError: `value` has another shape, or holds what is no finite number; the message starts
+            with `name`.
+    """
+    try:
+        array = np.array(value, float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected {shape} numbers; {error}") from error
+    if array.shape != shape or not np.isfinite(array).all():
+        raise InputError(f"{name}: expected {shape} numbers; got shape {array.shape}")
+    return array
+
+
 def as_wavelengths(value: ArrayLike, name: str) -> Spectrum:
     """Convert one or more wavelengths [nm] to JAX's default float.
 

@@ -1,12 +1,4 @@
-"""The form of sky datasets: dimensions, variables and attributes, with CF-style names.
-
-Dimensions are the swept parameter (`turbidity`, or any other; none where nothing is swept),
-`sun_zenith`, `direction` and `wavelength`, plus `order` where the orders of scattering are kept.
-Angles are in radians. Attributes describe the atmospheres and the versions that made the record, so
-that it can be simulated or fitted again from the file alone. Where the error was estimated, the
-attribute `error_estimate` sums it up, and the variable of that name has it for every radiance if
-every sky was checked.
-"""
+"""The form of sky datasets: dimensions, variables and attributes, as `skyfit.dataset` describes."""
 
 import json
 

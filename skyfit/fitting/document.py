@@ -63,17 +63,6 @@ def _read(path: Path) -> dict[str, Any]:
     return document
 
 
-def array_of(path: Any, key: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """Finite numbers of a shape, or an error that names file and key."""
-    try:
-        array = np.array(value, float)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{path}: {key}: expected {shape} numbers; {error}") from error
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InputError(f"{path}: {key}: expected {shape} numbers; got shape {array.shape}")
-    return array
-
-
 def plain(value: Any) -> Any:
     """The same in dictionaries, lists, numbers and words alone, for JSON."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from .._typing import as_table
 from ..errors import InputError
 from ..models.basis import SUN, basis_from
 from ..models.domes import distribution_from
 from ..models.formula import CHANNEL_KINDS
 from ..models.scale import PaperZenith, scale_from
 from .diagnostics import Diagnostics
-from .document import array_of, read_document
+from .document import read_document
 from .positivity import Positivity
 from .record import Notes, SkyFit, TwoStage
 
@@ -56,7 +57,7 @@ def _fit(path, document) -> SkyFit:
     size = (len(distribution.names), basis.num_terms)
 
     def tables(key, record):
-        return {name: array_of(path, f"{key}.{name}", record[name], size) for name in names}
+        return {name: as_table(record[name], f"{path}: {key}.{name}", size) for name in names}
 
     bands = formula["wavelengths"]
     sized = {name: document["scale_errors"].get(name, {}) for name in document["scale_errors"]}
@@ -68,7 +69,9 @@ def _fit(path, document) -> SkyFit:
         numbers = scale.numbers()
         errors = {
             name: {
-                part: array_of(path, f"scale_errors.{name}.{part}", errors[name][part], value.shape)
+                part: as_table(
+                    errors[name][part], f"{path}: scale_errors.{name}.{part}", value.shape
+                )
                 for part, value in parts.items()
             }
             for name, parts in numbers.items()
@@ -80,7 +83,7 @@ def _fit(path, document) -> SkyFit:
         distribution=distribution,
         scale=scale,
         scale_errors=errors,
-        wavelengths=bands and array_of(path, "formula.wavelengths", bands, (len(names),)),
+        wavelengths=bands and as_table(bands, f"{path}: formula.wavelengths", (len(names),)),
         linked=bool(formula["linked"]),
         kind=kind,
         channels=tuple(names),
@@ -91,7 +94,7 @@ def _fit(path, document) -> SkyFit:
 
 
 def _ends(path, name, ends) -> tuple[float, float]:
-    low, high = array_of(path, f"formula: range of {name}", ends, (2,)).tolist()
+    low, high = as_table(ends, f"{path}: formula: range of {name}", (2,)).tolist()
     if not low <= high:
         raise InputError(f"{path}: formula: range of {name}: expected low, high; got {low}, {high}")
     return low, high

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._typing import as_float
+from .._typing import as_float, as_table
 from ..errors import InputError
 from .basis import SUN, Basis, Quantities, basis_from
 from .twilight import TWILIGHT_DECAY, daytime_sun, dimming
@@ -182,7 +182,7 @@ def scale_from(description: Mapping[str, Any]) -> AbstractScale:
     kind, numbers = description["kind"], description["numbers"]
     if kind == "paper zenith":
         x, y, linear, angle = (
-            _shaped(numbers[name][part], f"{name}.{part}", shape)
+            as_float(as_table(numbers[name][part], f"{name}.{part}", shape))
             for name, part, shape in (
                 ("x", "matrix", (3, 4)), ("y", "matrix", (3, 4)),
                 ("Y", "linear", (4,)), ("Y", "angle", (2,)),
@@ -193,20 +193,10 @@ def scale_from(description: Mapping[str, Any]) -> AbstractScale:
     if kind == "logarithm":
         basis, night = basis_from(description["basis"]), tuple(description["night"])
         return LogScale(
-            _shaped(numbers, "numbers", (len(night), basis.num_terms)),
+            as_float(as_table(numbers, "numbers", (len(night), basis.num_terms))),
             basis,
-            _shaped(description["dimming"], "dimming", (len(night),)),
+            as_float(as_table(description["dimming"], "dimming", (len(night),))),
             float(description["lowest_sun"]),
             night,
         )
     raise InputError(f"expected a scale of kind 'paper zenith' or 'logarithm'; got {kind!r}")
-
-
-def _shaped(value, name, shape):
-    try:
-        array = np.array(value, float)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: expected {shape} numbers; {error}") from error
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InputError(f"{name}: expected {shape} numbers; got shape {array.shape}")
-    return as_float(array)
