@@ -206,3 +206,17 @@ def test_the_installed_program_runs():
     done = subprocess.run([*start, "fit", "--out", "f"], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr == "skyfit: Missing argument 'SKY'.\n"
+
+
+def test_without_a_command_the_help_is_printed_whole(capsys):
+    assert cli.run([]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("Usage: skyfit")
+    assert all(f"\n  {name} " in printed for name in cli.commands.commands)
+
+
+def test_the_package_runs_as_a_module():
+    run = subprocess.run(
+        [sys.executable, "-m", "skyfit", "--version"], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip().endswith(skyfit.__version__)

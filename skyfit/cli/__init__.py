@@ -17,6 +17,7 @@ from .export import export
 from .fit import fit
 from .ladder import ladder
 from .output import BUG, INTERRUPTED, MISTAKE, complain
+from .programs import keep_programs, no_cache
 from .render import render
 from .reproduce import reproduce
 from .simulate import simulate
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     one line, and the traceback before it where the environment has SKYFIT_TRACEBACK; 130 when
     interrupted.
     """
+    keep_programs()
     sys.exit(run(arguments))
 
 
@@ -52,16 +54,27 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return _admit(error)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, invoke_without_command=True)
 @click.version_option(package_name="skyfit")
-def commands() -> None:
-    """Simulate clear skies and fit analytic sky models to them."""
+@click.pass_context
+def commands(context: click.Context) -> None:
+    r"""Simulate clear skies and fit analytic sky models to them.
+
+    \b
+    skyfit reproduce                                   the paper's pipeline, and a report
+    skyfit render --sun-zenith-deg 60 --out sky.png    a picture of the published sky
+    skyfit COMMAND --help                              what a command takes, with an example
+    """
     import jax
 
     jax.config.update("jax_enable_x64", True)
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 for command in (simulate, fit, ladder, export, compare, reproduce, render, benchmarks):
+    if command is not benchmarks:  # which measures how long compiling takes
+        command.params.append(no_cache)
     commands.add_command(command)
 
 
