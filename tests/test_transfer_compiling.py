@@ -46,6 +46,29 @@ def test_an_xla_without_the_option_compiles_all_the_same(cube, monkeypatch):
         compiling._known_options.cache_clear()
 
 
-def test_this_xla_has_the_option():
+def test_a_listener_is_told_of_every_program_but_of_no_second_call(cube):
+    told = []
+    with compiling.told_of_compiling(lambda: told.append(1)):
+        for x in (2.0, 3.0):
+            cube(jnp.asarray(x))
+        cube(jnp.arange(3.0))
+    assert len(told) == 2
+    cube(jnp.arange(4.0))
+    assert len(told) == 2
+
+
+def test_what_xla_flags_sets_is_not_set_again(monkeypatch):
+    monkeypatch.setenv("XLA_FLAGS", "--xla_backend_optimization_level=0")
+    compiling._known_options.cache_clear()
+    try:
+        assert compiling._known_options() == {"xla_cpu_use_fusion_emitters": False}
+    finally:
+        compiling._known_options.cache_clear()
+
+
+def test_this_xla_has_the_option(monkeypatch):
     """An alarm: without it everything works, and compiling takes half as long again."""
+    monkeypatch.delenv("XLA_FLAGS", raising=False)
+    compiling._known_options.cache_clear()
     assert compiling._known_options() == compiling._OPTIONS
+    compiling._known_options.cache_clear()

@@ -58,13 +58,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
 @click.version_option(package_name="skyfit")
 @click.pass_context
 def commands(context: click.Context) -> None:
-    r"""Simulate clear skies and fit analytic sky models to them.
+    """Simulate clear skies and fit analytic sky models to them.
 
     \b
     skyfit reproduce                                   the paper's pipeline, and a report
     skyfit render --sun-zenith-deg 60 --out sky.png    a picture of the published sky
     skyfit COMMAND --help                              what a command takes, with an example
-    """
+    """  # noqa: D301, click reads the backslash
     import jax
 
     jax.config.update("jax_enable_x64", True)

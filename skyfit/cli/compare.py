@@ -9,7 +9,7 @@ import click
 import skyfit
 
 from .options import as_json
-from .output import print_json
+from .output import print_json, progress
 
 
 @click.command()
@@ -31,7 +31,8 @@ from .output import print_json
 def compare(sun_zenith_deg: float, turbidity: float, fits: tuple[Path, ...], as_json: bool) -> int:
     """Print the same sky through every model side by side."""
     known = {path.name: skyfit.load_fit(path) for path in fits}
-    rows = skyfit.compare_skies(math.radians(sun_zenith_deg), turbidity, fits=known)
+    with progress("simulating", quiet=as_json):
+        rows = skyfit.compare_skies(math.radians(sun_zenith_deg), turbidity, fits=known)
     if as_json:
         print_json({"sun_zenith_deg": sun_zenith_deg, "turbidity": turbidity, "skies": rows})
     else:

@@ -7,7 +7,10 @@ from typing import Any
 
 import click
 
+from skyfit.transfer.compiling import told_of_compiling
 
+
+COMPILING = "compiling the simulator, about 20 s, once"
 MISTAKE, BUG, INTERRUPTED = 2, 1, 130  # exit statuses
 _WHOLE_TABLE = 140  # columns of the widest, `skyfit ladder`'s; rich takes 80 where it cannot ask
 
@@ -20,7 +23,7 @@ def complain(message: str, status: int) -> int:
 
 @contextmanager
 def progress(first: str, *, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """A bar on standard error, told (stage, done, total)."""
+    """A bar on standard error, told (stage, done, total); a second one while XLA compiles."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -35,11 +38,18 @@ def progress(first: str, *, quiet: bool) -> Iterator[Callable[[str, int, int], N
         tasks = {first: bar.add_task(first, total=None)}
 
         def advance(stage: str, done: int, total: int) -> None:
+            if COMPILING in tasks:
+                bar.remove_task(tasks.pop(COMPILING))
             if stage not in tasks:
                 tasks[stage] = bar.add_task(stage, total=total)
             bar.update(tasks[stage], completed=done, total=total)
 
-        yield advance
+        def tell() -> None:
+            if COMPILING not in tasks:
+                tasks[COMPILING] = bar.add_task(COMPILING, total=None)
+
+        with told_of_compiling(tell):
+            yield advance
 
 
 def print_json(record: dict[str, Any]) -> None:
