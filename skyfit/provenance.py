@@ -1,7 +1,8 @@
-"""What made a record: versions of the packages whose code its numbers depend on."""
+"""What made a record: the machine, and versions of the packages that its numbers depend on."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 
 def package_version(package: str) -> str:
@@ -17,3 +18,13 @@ def versions(*packages: str) -> dict[str, str]:
     named = ("skyfit", "jax", "equinox", "numpy", *packages)
     found = {name: package_version(name) for name in named}
     return found | {"python": platform.python_version()}
+
+
+def processor() -> str:
+    """Model of this machine's processor, as far as it can be told."""
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        for line in cpuinfo.read_text(errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()

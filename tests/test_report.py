@@ -1,5 +1,6 @@
 """The report: what it must hold, and the numbers that were known before it."""
 
+import html
 import json
 import re
 
@@ -58,7 +59,7 @@ def test_the_report_holds_every_number_it_promises(report):
     assert {"refit", "published"} <= set(report["zenith"])
     assert {"compile", "simulate", "fit", "report"} <= set(report["seconds"])
     for claim in report["claims"]:
-        assert set(claim) == {"id", "claim", "verdict", "figure"}
+        assert set(claim) == {"id", "claim", "verdict", "figure", "rule", "section"}
 
 
 @pytest.mark.slow
@@ -86,9 +87,12 @@ def test_the_refit_is_nearer_to_the_simulation_than_the_published_model(report):
 @pytest.mark.slow
 def test_the_page_needs_nothing_but_itself(directory):
     page = (directory / "report.html").read_text()
-    links = re.findall(r'(?:src|href)="([^"]{0,40})', page)
-    assert links
-    assert all(link.startswith("data:image/png;base64,") for link in links)
+    sources = re.findall(r'src="([^"]{0,40})', page)
+    assert sources
+    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    links = re.findall(r'href="([^"]*)', page)
+    assert set(links) == {"report.json", "sky.nc", "fit.json", "figures/"}
+    assert all((directory / link).exists() for link in links)
     assert "<link" not in page
     assert "<script" not in page
 
@@ -128,6 +132,18 @@ def test_the_published_zenith_is_brighter_than_the_simulated_one(report):
 def test_a_line_through_separate_fits_is_worse_than_fitting_the_line(report):
     for channel, diagnostics in report["fit"]["diagnostics"].items():
         assert report["fit"]["two_stage_rms"][channel] > 1.05 * diagnostics["rms"]
+
+
+@pytest.mark.slow
+def test_the_page_says_when_on_what_and_by_which_bounds_it_was_made(directory, report):
+    page = html.unescape((directory / "report.html").read_text())
+    made = report["made"]
+    assert re.fullmatch(r"20\d\d-\d\d-\d\d", made["date"])
+    for shown in (made["date"], made["processor"], f"{made['cores']} cores", "float64, 1 worker;"):
+        assert shown in page
+    for claim in report["claims"]:
+        assert claim["rule"] in page
+        assert f"§ {claim['section']}" in page
 
 
 @pytest.mark.slow

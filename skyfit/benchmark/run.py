@@ -2,7 +2,6 @@
 
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .._progress import Progress
-from ..provenance import versions
+from ..provenance import processor, versions
 from ..transfer.quality import QUALITIES
 from .case import Case
 
@@ -104,15 +103,9 @@ def run_benchmarks(
 
 def machine() -> dict[str, Any]:
     """What the figures belong to."""
-    model = platform.processor() or platform.machine()
-    cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.exists():
-        lines = cpuinfo.read_text(errors="replace").splitlines()
-        names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-        model = names[0] if names else model
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
     return {
-        "processor": model,
+        "processor": processor(),
         "cores": os.cpu_count(),
         "load_before": load,
         **{name: number for name, number in versions().items() if name in ("skyfit", "jax")},

@@ -11,7 +11,11 @@ from ..colour import PAPER_CHANNELS
 RECOVERED = 1e-9  # a fit that ends in rounding errors gives back what it was made from
 # The paper says "well" and "badly" without numbers; these bounds are this report's.
 WELL, ROUGHLY = 0.02, 0.15
-SAME_ZENITH = 0.1
+SAME_ZENITH, SAME_COLOUR = 0.1, 0.005
+AS_GOOD = 1.5  # times the misfit of the best fit
+TWICE = 2.0
+REALISTIC = 1.25  # times as bright as the measured sky, or as dark
+GRADED = f"holds up to {100 * WELL:g} %, roughly up to {100 * ROUGHLY:g} %"
 PAPER_HOURS = 600  # of one processor in 1999, section 3.2
 
 
@@ -23,13 +27,17 @@ class Claim:
         id: Short name.
         claim: Sentence that is judged.
         verdict: "holds", "holds roughly", "does not hold" or "for the record".
-        figure: The numbers behind the verdict.
+        figure: Numbers behind the verdict.
+        rule: Bounds that the verdict was made by.
+        section: Section of Preetham et al. (1999) that makes the claim, or follows from it.
     """
 
     id: str
     claim: str
     verdict: str
     figure: str
+    rule: str
+    section: str
 
 
 def judge(record: dict[str, Any]) -> list[Claim]:
@@ -62,6 +70,8 @@ def _recovery(errors: dict[str, float]) -> Claim:
         "Fitted to skies of the published model, the fit gives the published coefficients back",
         "holds" if worst <= RECOVERED else "does not hold",
         "largest error " + ", ".join(f"{name} {errors[name]:.1e}" for name in PAPER_CHANNELS),
+        rule=f"holds up to {RECOVERED:g}, the size of rounding errors",
+        section="A.2",
     )
 
 
@@ -78,6 +88,8 @@ def _luminance_form(errors: dict[str, dict[str, float]]) -> Claim:
         "Five coefficients, linear in turbidity and the same for every sun, describe the luminance",
         _graded(error),
         f"best fit {percent(error)} RMS from the simulation",
+        rule=GRADED,
+        section="3.2",
     )
 
 
@@ -88,6 +100,8 @@ def _chromaticity_form(errors: dict[str, dict[str, float]]) -> Claim:
         "The same form describes the chromaticities x and y well",
         _graded(max(x, y)),
         f"best fit {percent(x)} (x) and {percent(y)} (y) RMS from the simulation",
+        rule=GRADED,
+        section="3.2",
     )
 
 
@@ -97,16 +111,18 @@ def _tristimulus(comparison: dict[str, dict[str, float]]) -> Claim:
     return Claim(
         "tristimulus",
         "It describes the tristimulus values X and Z badly, which is why x and y are fitted",
-        "holds" if detour > 2 * direct else "does not hold",
+        "holds" if detour > TWICE * direct else "does not hold",
         f"best fits {percent(errors['X'])} (X), {percent(errors['Z'])} (Z) RMS; chromaticity off "
         f"by {detour:.4f} by way of X, Y, Z and by {direct:.4f} from x, y",
+        rule=f"holds if chromaticity is off by more than {TWICE:g} times as much by way of X, Y, Z",
+        section="3.2",
     )
 
 
 def _published_shape(errors: dict[str, dict[str, float]], within: dict[str, int]) -> Claim:
     published = [errors[name]["published_vs_simulation"] for name in PAPER_CHANNELS]
     best = [errors[name]["refit_vs_simulation"] for name in PAPER_CHANNELS]
-    agrees = all(p <= 1.5 * b for p, b in zip(published, best, strict=True))
+    agrees = all(p <= AS_GOOD * b for p, b in zip(published, best, strict=True))
     pairs = ", ".join(
         f"{name} {percent(p)} against {percent(b)}"
         for name, p, b in zip(PAPER_CHANNELS, published, best, strict=True)
@@ -118,6 +134,8 @@ def _published_shape(errors: dict[str, dict[str, float]], within: dict[str, int]
         "holds" if agrees else "does not hold",
         f"RMS of the published against the best fit: {pairs}; {within['within']} of {within['of']} "
         "numbers within two standard errors",
+        rule=f"holds if none is above {AS_GOOD:g} times the best fit",
+        section="3.2, A.2",
     )
 
 
@@ -129,6 +147,8 @@ def _zenith_luminance(ratio: dict[str, float]) -> Claim:
         "holds" if abs(median - 1) <= SAME_ZENITH else "does not hold",
         f"published over simulated {ratio['lowest']:.2f} to {ratio['highest']:.2f}, median "
         f"{median:.2f}",
+        rule=f"holds if the median is within {100 * SAME_ZENITH:g} % of 1",
+        section="A.2",
     )
 
 
@@ -137,20 +157,24 @@ def _zenith_colour(difference: dict[str, float]) -> Claim:
     return Claim(
         "zenith_chromaticity",
         "The published zenith chromaticity is that of the simulated skies",
-        "holds" if max(abs(x), abs(y)) <= 0.005 else "does not hold",
+        "holds" if max(abs(x), abs(y)) <= SAME_COLOUR else "does not hold",
         f"published less simulated, mean: x {x:+.3f}, y {y:+.3f}",
+        rule=f"holds if neither mean is above {SAME_COLOUR:g}",
+        section="A.2",
     )
 
 
 def _real_sky(cornell: dict[str, Any]) -> Claim:
     ratio, error = cornell["luminance_ratio"], cornell["rmse_mW_m-2_sr-1_nm-1"]
-    close = abs(np.log(ratio["published"])) <= np.log(1.25)
+    close = abs(np.log(ratio["published"])) <= np.log(REALISTIC)
     return Claim(
         "measured_sky",
         f"The published model is realistic: a measured day of turbidity {cornell['turbidity']}",
         "holds" if close else "does not hold",
         "luminance over the measured and RMSE in mW m⁻² sr⁻¹ nm⁻¹: "
         + ", ".join(f"{name} {ratio[name]:.2f} and {error[name]:.0f}" for name in ratio),
+        rule=f"holds if the published luminance is within a factor of {REALISTIC:g}",
+        section="5",
     )
 
 
@@ -161,6 +185,8 @@ def _higher_orders(found: dict[str, Any]) -> Claim:
         "Third and higher orders of scattering are insignificant",
         _graded(high),
         f"they are {percent(low)} to {percent(high)} of the luminance, {where}",
+        rule=GRADED,
+        section="3.2",
     )
 
 
@@ -172,6 +198,8 @@ def _ground_light(found: dict[str, Any]) -> Claim:
         _graded(high),
         f"an albedo of {found['ground_albedo']} adds {percent(low)} to {percent(high)} to the "
         f"luminance of two orders, {where}",
+        rule=GRADED,
+        section="3.2",
     )
 
 
@@ -182,6 +210,8 @@ def _flat_earth(found: dict[str, Any]) -> Claim:
         "Up to a view zenith of 70° the Earth may be taken as flat",
         _graded(high),
         f"largest error of the luminance {percent(low)} to {percent(high)}, {where}",
+        rule=GRADED,
+        section="3.2",
     )
 
 
@@ -204,4 +234,6 @@ def _effort(seconds: dict[str, float], campaign: dict[str, Any]) -> Claim:
         "for the record",
         f"{skies} skies in {seconds['simulate']:.0f} s, and {seconds['compile']:.0f} s of "
         "compiling in all",
+        rule="not judged",
+        section="3.2",
     )

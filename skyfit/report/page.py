@@ -1,6 +1,6 @@
 """report.html: one file that needs nothing else."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ def write_page(
     path: Path,
     record: Mapping[str, Any],
     pictures: Mapping[str, tuple[Path, str]],
-    notes: Mapping[str, str | Sequence[str]],
+    notes: Mapping[str, Any],
 ) -> None:
     """Write the report.
 
@@ -24,13 +24,16 @@ def write_page(
         path: Name of the HTML file.
         record: Content of report.json.
         pictures: PNG file and caption by name.
-        notes: The sentences `summary` (a list), `fit_notes` and `provenance`.
+        notes: Sentences: `summary` (a list), `findings` (by picture), `fit_notes`, `provenance`.
     """
 
     def picture(name: str) -> Markup:
         file, caption = pictures[name]
-        template = Markup('<figure><img alt="{}" src="{}"><figcaption>{}</figcaption></figure>')
-        return template.format(name.replace("_", " "), style.data_uri(file), caption)
+        finding = notes["findings"][name]
+        template = Markup(
+            '<figure><img alt="{}" src="{}"><figcaption><b>{}</b> {}</figcaption></figure>'
+        )
+        return template.format(name.replace("_", " "), style.data_uri(file), finding, caption)
 
     source = (resources.files("skyfit.report") / "report.html.j2").read_text(encoding="utf-8")
     page = Environment(autoescape=True, undefined=StrictUndefined).from_string(source)

@@ -1,7 +1,9 @@
 """The paper's pipeline from end to end: `reproduce`."""
 
 import json
+import os
 from dataclasses import asdict
+from datetime import UTC, datetime
 from os import PathLike
 from typing import Any
 
@@ -19,7 +21,7 @@ from ..judging import recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
 from ..plots.skies import modelled
-from ..provenance import versions
+from ..provenance import processor, versions
 from .claims import judge
 from .clock import Clock
 from .coefficients import coefficient_table, within_errors, zenith_record
@@ -112,6 +114,13 @@ def reproduce(
             "fit": _fit_record(fit),
             "campaign": plan.to_dict(),
             "versions": versions(),
+            "made": {
+                "date": datetime.now(UTC).date().isoformat(),
+                "processor": processor(),
+                "cores": os.cpu_count(),
+                "precision": str(dataset["radiance"].dtype),
+                "workers": workers,
+            },
         }
     record["seconds"] = clock.seconds | {"total": sum(clock.seconds.values())}
     record["claims"] = [asdict(claim) for claim in judge(record)]

@@ -7,9 +7,10 @@ from .claims import percent
 
 
 def notes(record: dict[str, Any]) -> dict[str, Any]:
-    """The sentences of report.html: `summary`, `fit_notes`, `provenance`."""
+    """The sentences of report.html: `summary`, `findings`, `fit_notes`, `provenance`."""
     return {
         "summary": _summary(record),
+        "findings": _findings(record),
         "fit_notes": _fit_notes(record["fit"]),
         "provenance": _provenance(record["campaign"], record["fit"]["settings"]),
     }
@@ -37,6 +38,36 @@ def _summary(record: dict[str, Any]) -> list[str]:
         "not the formula's doing: atmosphere, ground and orders of scattering are the paper's, not "
         "that day's.",
     ]
+
+
+def _findings(record: dict[str, Any]) -> dict[str, str]:
+    """What each picture shows, by its name."""
+    shape, within = record["shape_error"], record["published_within_two_errors"]
+    zenith, colour = record["zenith_ratio"], record["zenith_difference"]
+    ratio = record["cornell"]["luminance_ratio"]
+
+    def errors(channel: str) -> str:
+        refit, published = (
+            percent(shape[channel][f"{name}_vs_simulation"]) for name in ("refit", "published")
+        )
+        return f"the refit {refit}, the published coefficients {published}"
+
+    return {
+        "coefficients": f"{within['within']} of {within['of']} published numbers lie within two "
+        "standard errors of the refit's.",
+        "luminance_sections": f"From the simulated shape of the luminance {errors('Y')} RMS.",
+        "chromaticity_sections": f"From the simulated x {errors('x')} RMS; from y {errors('y')}.",
+        "domes": f"The published zenith is {zenith['median']:.2f} times as bright as the simulated "
+        "in the median sky; its exposure is the others'.",
+        "error_maps": "Over all skies the refit's luminance is "
+        f"{percent(record['fit']['diagnostics']['Y']['worst'])} off in its worst direction.",
+        "zenith": f"Published over simulated luminance {zenith['lowest']:.2f} to "
+        f"{zenith['highest']:.2f}; chromaticity {colour['x']:+.3f} in x and {colour['y']:+.3f} "
+        "in y, bluer where both are negative.",
+        "cornell": "Luminance over the measured: "
+        + ", ".join(f"{name} {value:.2f}" for name, value in ratio.items())
+        + ".",
+    }
 
 
 def _fit_notes(fit: dict[str, Any]) -> str:
