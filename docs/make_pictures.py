@@ -70,7 +70,9 @@ def sheet(name, pictures, columns, evs=None):
         figure = Figure(figsize=(3.9 * columns, 3.15 * rows), layout="constrained")
         for number, (title, picture) in enumerate(pictures.items()):
             panel = figure.add_subplot(rows, columns, number + 1)
-            panel.imshow(picture.pixels(None if evs is None else evs[number]))
+            pixels = picture.pixels(None if evs is None else evs[number])
+            pixels = np.where(picture.inside[..., None], pixels, 255)  # white around a fisheye
+            panel.imshow(pixels)
             panel.set_title(title)
             panel.set_axis_off()
         save(figure, name)
@@ -185,6 +187,25 @@ def domes():
     sheet("pictures_domes", pictures, 3, [shared] * 3)
 
 
+def front():
+    """One measured day: the sky itself, this day's air, a formula fitted to it, the published."""
+    measured = load_source(Path("cornell"), sun_zenith=np.radians(48.938))
+    sun, azimuth = measured.sun_zenith, np.pi
+    sims = HERE.parent / "sims"
+    skies = {
+        "measured: Ithaca, 27 May 2013": measured,
+        "simulated: that day's air, all orders": load_source(sims / "cornell_2013.toml"),
+        "formula fitted to the simulation": load_source(sims / "cornell_2013.fit.json", 2.53),
+        "published in 1999, as shipped everywhere": load_source(None, 2.53),
+    }
+    pictures = {
+        title: render(sky, Fisheye(360), sun, azimuth, sun_disc=False)
+        for title, sky in skies.items()
+    }
+    shared = pictures["measured: Ithaca, 27 May 2013"].exposure()
+    sheet("front", pictures, 4, [shared] * 4)
+
+
 def charts():
     """Some plots."""
     model, sun = skyfit.preetham_sky(3.0), np.radians(55)
@@ -217,6 +238,7 @@ def marched():
 
 
 PICTURES = {
+    "front": front,
     "landscapes": landscapes,
     "aerial": with_and_without,
     "shafts": shafts,
