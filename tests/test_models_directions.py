@@ -80,7 +80,7 @@ def test_pieces_of_many_directions_are_put_together_in_order(count, pieces):
 
     direction = jnp.arange(3.0 * count).reshape(2, count // 2, 3)
     np.testing.assert_array_equal(in_pieces(double, direction), 2 * direction)
-    doubled = in_pieces(lambda piece: double(piece)[:, :2], direction)
+    doubled = in_pieces(lambda piece: double(piece)[..., :2], direction)
     np.testing.assert_array_equal(doubled, 2 * direction[..., :2])
     # Traced once: 80 000 are five times 16 000; twice a prime has no divisor of use.
     assert sizes[0] * pieces == count
