@@ -1,4 +1,4 @@
-"""One test for each misprint and trap of the sources; the README's table cites them by name.
+"""One test for each misprint and trap of the sources; docs/misprints.md cites them by name.
 
 P99: Preetham, Shirley & Smits (1999), "A Practical Analytic Model for Daylight". HP02: Hoffman &
 Preetham (2002), "Photorealistic Real-Time Outdoor Light Scattering". SCS: "Simulating the Colors of
