@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from . import (
         angles as angles,
         marcher as marcher,
+        models as models,
         phase as phase,
         plots as plots,
         profile as profile,
@@ -98,7 +99,17 @@ if TYPE_CHECKING:
     from .transfer.simulate_sky import simulate as simulate
     from .transfer.trust import AccuracyWarning as AccuracyWarning
 
-_MODULES = ("angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity")
+_MODULES = (
+    "angles",
+    "marcher",
+    "models",
+    "phase",
+    "plots",
+    "profile",
+    "render",
+    "surfaces",
+    "turbidity",
+)
 _NAMES = {
     "aerial": (
         "AerialPerspective",

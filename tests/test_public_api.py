@@ -77,7 +77,17 @@ PUBLIC = {
     "ward_larson_aerial",
     "water_vapour",
 }
-MODULES = {"angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity"}
+MODULES = {
+    "angles",
+    "marcher",
+    "models",
+    "phase",
+    "plots",
+    "profile",
+    "render",
+    "surfaces",
+    "turbidity",
+}
 
 
 def test_public_names_change_only_on_purpose():
