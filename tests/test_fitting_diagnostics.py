@@ -6,9 +6,9 @@ from model_skies import model_skies, noisy
 
 from skyfit._typing import as_float
 from skyfit.fitting.batch import fit_groups
-from skyfit.fitting.choices import NAMED, FitSettings
+from skyfit.fitting.choices import NAMED, PUBLISHED, FitSettings
 from skyfit.fitting.diagnostics import lane, loose_combinations, spectrum, variance
-from skyfit.fitting.fit import PUBLISHED, _errors
+from skyfit.fitting.fit import _errors
 from skyfit.fitting.problem import normal_equations, objective
 from skyfit.fitting.skies import read_skies
 from skyfit.models.domes import Series

@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 from model_skies import DIRECTIONS, SUNS, model_skies, noisy
 
-from skyfit.fitting import fit_each_sky, fit_sky
+from skyfit.fitting import fit_each_sky, fit_sky, load_fit
 from skyfit.fitting.batch import fit_groups
-from skyfit.fitting.choices import FitSettings
-from skyfit.fitting.fit import PUBLISHED, fit_formula
+from skyfit.fitting.choices import PUBLISHED, FitSettings
+from skyfit.fitting.fit import fit_formula
 from skyfit.fitting.lanes import solve
 from skyfit.fitting.problem import objective
 from skyfit.fitting.skies import read_skies
@@ -25,6 +25,7 @@ from skyfit.models.preetham import (
     published_coefficients,
     published_zenith_chromaticity,
 )
+from skyfit.models.scale import TangentZenith
 
 
 COEFFICIENTS = dict(zip(CHANNELS, published_coefficients(), strict=True))
@@ -187,6 +188,11 @@ def test_an_unknown_choice_is_refused_by_name(choice, message):
         FitSettings(**choice)
 
 
+def test_an_unknown_zenith_is_refused(exact):
+    with pytest.raises(ValueError, match=r"fit_sky\(zenith=...\): expected one of"):
+        fit_sky(exact, zenith="sqrt")
+
+
 def test_a_start_that_cannot_be_one_is_refused(exact):
     with pytest.raises(ValueError, match=r"fit_sky\(starts=...\): expected channels of .*'Z'"):
         fit_sky(exact, starts={"Z": (0.0,) * 5})
@@ -280,6 +286,40 @@ def test_nan_is_refused_and_never_fitted(exact):
     for fit in (fit_sky, fit_each_sky):
         with pytest.raises(ValueError, match=r"luminance has 1 non-finite values of 552"):
             fit(data)
+
+
+def dusk_zenith(turbidity, sun_zenith):
+    zenith = TangentZenith(jnp.array([4045.3, -4971.0, -615.5, 2419.2]), jnp.array(ZENITH_ANGLE))
+    return np.asarray(zenith(jnp.asarray(turbidity), jnp.asarray(sun_zenith)))
+
+
+def dusk():
+    """The published skies with a zenith whose tangent is 0 at a turbidity of 6 and a sun of 85.2°.
+
+    There 19300.8 tan χ = 1273.8, χ = 0.06590, and π - 2 θₛ = 0.06590 / (4/9 - 6/120) = 0.1671.
+    """
+    data = model_skies(suns=np.radians([5.0, 30.0, 55.0, 75.0, 80.0, 85.0]))
+    at = data["turbidity"].values[:, None], data["sun_zenith"].values[None, :]
+    factor = dusk_zenith(*at) / data["luminance"].values[..., 0]
+    return data.assign(luminance=data["luminance"] * factor[..., None])
+
+
+def test_a_zenith_that_turns_black_before_sunset_is_warned_of():
+    with pytest.warns(UserWarning, match=r"black at turbidity 6 with the sun 85\.5 degrees"):
+        fit_sky(dusk())
+
+
+def test_a_logarithm_keeps_the_zenith_bright_until_sunset_and_falls_in_twilight(tmp_path):
+    fit = fit_sky(dusk(), zenith="logarithm")
+    fit.save(tmp_path / "fit.json")
+    sky = load_fit(tmp_path / "fit.json").sky(turbidity=6.0)
+    suns = np.radians([75.0, 85.0, 87.5, 90.0, 96.0])
+    zenith = np.asarray(sky.xyY(suns, 0.0, 0.0))[:, 2]
+    # Where there are skies, they; then the fall of their last degree; below, a decade for 2.5°.
+    np.testing.assert_allclose(zenith[:2], dusk_zenith(np.full(2, 6.0), suns[:2]), rtol=1e-3)
+    assert zenith[1] > zenith[2] > 0
+    assert zenith[2] / zenith[1] == pytest.approx(zenith[3] / zenith[2], rel=1e-6)
+    assert zenith[4] / zenith[3] == pytest.approx(10 ** (-6 / 2.5), rel=1e-6)
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import click
 
 import skyfit
 from skyfit.colour import PAPER_CHANNELS
+from skyfit.fitting.choices import ZENITHS
 from skyfit.report.coefficients import has_published_form
 
 from .options import as_json
@@ -30,6 +31,14 @@ from .output import console, print_json, progress
     default="linear",
     show_default=True,
     help="Of its coefficients: linear in the parameter, polynomial in it and the sun, or nodes.",
+)
+@click.option(
+    "--zenith",
+    type=click.Choice(ZENITHS),
+    default="paper",
+    show_default=True,
+    help="Zenith of the default formula: the paper's, black before sunset in hazy air, or e to the "
+    "power of a polynomial, which is not.",
 )
 @click.option(
     "--channels",
@@ -62,6 +71,7 @@ def fit(
     out: Path,
     distribution: str,
     dependence: str,
+    zenith: str,
     channels: str,
     weights: Any,
     residuals: Any,
@@ -80,6 +90,7 @@ def fit(
             skies,
             distribution=distribution,
             dependence=dependence,
+            zenith=zenith,
             channels=channels,
             weights=weights,
             residuals=residuals,

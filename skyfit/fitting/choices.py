@@ -29,6 +29,7 @@ SUN_FUNCTIONS = {
     "cube root of elevation": "cube root of elevation",
 }
 KINDS = ("linear", "polynomial", "nodes")
+ZENITHS = ("paper", "logarithm")
 _ON_THE_WAY = ((0, 0), (1, 1), (2, 3))  # degrees fitted before those asked for
 
 Starts = Mapping[str, Sequence[float]]
@@ -143,23 +144,31 @@ class Formula:
     Attributes:
         distribution: Formula of the dome.
         dependence: Dependence of its coefficients.
+        zenith: Zenith of the published form, one of `ZENITHS`.
     """
 
     distribution: AbstractDistribution
     dependence: Dependence
+    zenith: str = "paper"
 
     def has_paper_zenith(self, skies: Skies) -> bool:
         """Whether the scale is the zenith of Preetham et al.: that belongs to their own form."""
         published = self.distribution.name == Perez.name and self.dependence.kind == "linear"
-        return published and skies.kind == "Yxy" and len(skies.swept) <= 1
+        alike = published and skies.kind == "Yxy" and len(skies.swept) <= 1
+        return alike and self.zenith == "paper"
+
+
+PUBLISHED = Formula(Perez(), NAMED["linear"])
 
 
 def chosen_formula(
     distribution: str | AbstractDistribution,
     dependence: str | Dependence,
     caller: str = "fit_sky",
+    *,
+    zenith: str = "paper",
 ) -> Formula:
-    """The formula of two names, or of the values given.
+    """The formula of its names, or of the values given.
 
     Raises:
         ValueError: A name is unknown.
@@ -186,7 +195,9 @@ def chosen_formula(
         raise InputError(
             f"{caller}(dependence=...): expected a name or a Dependence; got {dependence!r}"
         )
-    return Formula(distribution, dependence)
+    if zenith not in ZENITHS:
+        raise InputError(f"{caller}(zenith=...): expected one of {ZENITHS}; got {zenith!r}")
+    return Formula(distribution, dependence, zenith)
 
 
 @dataclass(frozen=True)

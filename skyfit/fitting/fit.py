@@ -4,19 +4,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from .._typing import as_float
 from ..models.distribution import AbstractDistribution
-from ..models.formula import CHANNELS
-from ..models.perez import COEFFICIENTS, Perez
 from ..provenance import versions
 from .batch import BatchFit, evaluate, fit_groups
 from .channels import Channels, read_channels
 from .choices import (
     MAX_VIEW_ZENITH,
-    NAMED,
     PRIOR,
+    PUBLISHED,
     Dependence,
     FitSettings,
     Formula,
@@ -35,16 +33,13 @@ from .diagnostics import (
 from .document import plain
 from .positivity import positivity
 from .record import Notes, SkyFit, TwoStage
-from .scales import fit_scale
-from .skies import Residuals, Skies, Weights, read_skies
+from .scales import fit_scale, warn_of_early_night
+from .skies import Residuals, Skies, Weights
 from .targets import terms_of
 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-PUBLISHED = Formula(Perez(), NAMED["linear"])
 
 
 def fit_sky(
@@ -58,6 +53,7 @@ def fit_sky(
     max_view_zenith: float = float(MAX_VIEW_ZENITH),
     prior: float = PRIOR,
     starts: Starts | None = None,
+    zenith: str = "paper",
 ) -> SkyFit:
     """Fit a formula to skies: by default Perez's, as Preetham et al. (1999) do.
 
@@ -88,16 +84,23 @@ def fit_sky(
             coefficients and u₀ the first of the distribution's starts: what the skies do not
             determine stays near it, and perfect data are fitted perfectly.
         starts: Coefficients to start from, by channel.
+        zenith: Zenith of the default formula: "paper" for that of Preetham et al. (1999), or
+            "logarithm" for the scale of all other formulas, which is never 0.
 
     Returns:
         Coefficients, their standard errors, and what a sceptic asks of them.
 
     Raises:
         ValueError: The data are incomplete or cannot be fitted; an unknown choice.
+
+    Warns:
+        UserWarning: The fitted zenith turns black before the sun has set.
     """
     settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
-    formula = chosen_formula(distribution, dependence)
-    return fit_formula(read_channels(data, channels), formula, settings, provenance=data.attrs)
+    formula = chosen_formula(distribution, dependence, zenith=zenith)
+    fit = fit_formula(read_channels(data, channels), formula, settings, provenance=data.attrs)
+    warn_of_early_night(fit)
+    return fit
 
 
 def fit_formula(
@@ -143,6 +146,7 @@ def fit_formula(
             "distribution": formula.distribution.name,
             "dependence": formula.dependence.describe(),
             "channels": skies.kind,
+            "zenith": formula.zenith,
             **plain(settings),
         },
         "provenance": {
@@ -172,55 +176,6 @@ def fit_formula(
         )
 
     return fit(notes | {"positivity": positivity(fit(notes))})
-
-
-class EachSky(NamedTuple):
-    """Five coefficients for every sky by itself.
-
-    Attributes:
-        coefficients: A to E for x, y, Y over the dataset's sky dimensions.
-        rms: Root mean square of each fit's weighted residuals.
-        converged: The solver's word.
-        starts: Number of starts each fit took.
-    """
-
-    coefficients: Float[np.ndarray, "channel *sky coefficient"]
-    rms: Float[np.ndarray, "channel *sky"]
-    converged: Bool[np.ndarray, "channel *sky"]
-    starts: Int[np.ndarray, "channel *sky"]
-
-
-def fit_each_sky(
-    data: "xr.Dataset",
-    *,
-    weights: Weights = "equal",
-    residuals: Residuals = "relative",
-    max_view_zenith: float = float(MAX_VIEW_ZENITH),
-    starts: Starts | None = None,
-) -> EachSky:
-    """Fit Perez's five coefficients to every sky by itself: the best the formula can do.
-
-    All skies and channels are fitted side by side, from three starts each; those that did not
-    converge, or whose lowest loss only one start reached, from three more. There is no prior: badly
-    determined coefficients are to be expected, within the bounds of `skyfit.models.perez.Perez`.
-
-    Args:
-        data: Skies, as for `fit_sky`.
-        weights: Weights of directions, as for `fit_sky`.
-        residuals: Kind of residuals, as for `fit_sky`.
-        max_view_zenith: View zenith angle beyond which directions are left out [rad].
-        starts: Coefficients A to E to start from first, by channel.
-    """
-    settings = FitSettings(weights, residuals, max_view_zenith, 0.0, starts)
-    skies = read_skies(data, "fit_each_sky")
-    fit = fit_groups(skies, PUBLISHED, settings, "sky")
-    shape = (len(CHANNELS), *skies.shape)
-    return EachSky(
-        fit.numbers.reshape(*shape, len(COEFFICIENTS)),
-        fit.rms.reshape(shape),
-        fit.converged.reshape(shape),
-        fit.starts.reshape(shape),
-    )
 
 
 class _Read(NamedTuple):

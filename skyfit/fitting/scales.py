@@ -1,5 +1,6 @@
 """Fits of a formula's scale: the paper's zenith formulas, or the logarithm of any other."""
 
+import warnings
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -16,6 +17,7 @@ from ..models.preetham import ZENITH_ANGLE
 from ..models.scale import AbstractScale, CubicZenith, LogScale, PaperZenith, TangentZenith
 from .choices import SCALE, FitSettings, Formula
 from .diagnostics import spectrum, variance
+from .record import SkyFit
 from .skies import Skies
 from .solver import NormalEquationsLM
 from .targets import direction_weights, fit_logarithm, means, scale_terms
@@ -91,6 +93,28 @@ def _paper_zenith(skies: Skies, values: Float[np.ndarray, "channel sky"]):
         {channel: fit.standard_errors for channel, fit in fits.items()},
         {channel: fit.rms for channel, fit in fits.items()},
     )
+
+
+def warn_of_early_night(fit: SkyFit) -> None:
+    """Warn if the tangent of the paper's zenith falls to 0 while the sun is up.
+
+    The paper's own numbers do so at a turbidity above 5; the light of a sky is far from 0 there.
+    """
+    if not isinstance(fit.scale, PaperZenith):
+        return
+    suns = np.radians(np.linspace(0.0, 90.0, 181))
+    for value in fit.swept.get(fit.scale.quantity, (0.0,)):
+        luminance = np.asarray(fit.scale.luminance(as_float(value), as_float(suns)))
+        if (black := luminance <= 0).any():
+            where = f" at {fit.scale.quantity} {value:g}" if fit.scale.quantity else ""
+            warnings.warn(
+                f"fit_sky: the fitted zenith is black{where} with the sun "
+                f"{np.degrees(suns[black.argmax()]):.3g} degrees from the zenith, before it has "
+                "set; zenith='logarithm' stays positive, and distribution='series' with "
+                "dependence='polynomial' fits better",
+                stacklevel=3,
+            )
+            return
 
 
 class ZenithFit(NamedTuple):

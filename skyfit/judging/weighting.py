@@ -10,9 +10,9 @@ from jaxtyping import Float
 from .._typing import as_float
 from ..errors import InputError
 from ..fitting.batch import evaluate, fit_groups
-from ..fitting.choices import FitSettings
+from ..fitting.choices import PUBLISHED, FitSettings
 from ..fitting.document import plain
-from ..fitting.fit import PUBLISHED, fit_formula
+from ..fitting.fit import fit_formula
 from ..fitting.problem import FitProblem
 from ..fitting.skies import read_skies
 from ..models.formula import CHANNELS

@@ -23,8 +23,7 @@ from ..campaign import PAPER_SUN_ZENITHS_DEG, paper_directions
 from ..colour import spectrum_to_xyY
 from ..errors import InputError
 from ..fitting.batch import fit_groups
-from ..fitting.choices import FitSettings
-from ..fitting.fit import PUBLISHED
+from ..fitting.choices import PUBLISHED, FitSettings
 from ..fitting.lanes import least_norm
 from ..fitting.problem import FitProblem, objective
 from ..fitting.skies import ZENITH, Skies, zenith_values
