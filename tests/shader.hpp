@@ -12,6 +12,7 @@ static float sqrt(float x) { return std::sqrt(x); }
 static float sin(float x) { return std::sin(x); }
 static float cos(float x) { return std::cos(x); }
 static float tan(float x) { return std::tan(x); }
+static float pow(float x, float y) { return std::pow(x, y); }
 static float min(float x, float y) { return x < y ? x : y; }
 static float max(float x, float y) { return x > y ? x : y; }
 static float clamp(float x, float low, float high) { return min(max(x, low), high); }

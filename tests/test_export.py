@@ -216,7 +216,7 @@ def test_every_language_says_where_the_numbers_are_from(fit):
 @pytest.mark.usefixtures("float32")
 def test_published_coefficients_are_written_as_printed_whatever_the_precision():
     code = export_fit(skyfit.preetham_sky(3.0), "glsl")
-    assert "float A = 0.1787 * turbidity - 1.463;" in code
+    assert "float A_Y = 0.1787 * held_turbidity - 1.463;" in code
 
 
 def test_another_name_begins_every_function():

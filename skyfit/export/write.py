@@ -61,8 +61,20 @@ def export_fit(fit: SkyFit | FormulaSky, format: str, *, name: str = "sky") -> s
     if dialect is None:
         return _json(sky, description, provenance)
     functions = framed(description, single=dialect.single)
-    top = heading(description, name, provenance)
+    top = [*heading(description, name, provenance), "", *_usage(description, name)]
     return dialect(name, functions).file(top, functions)
+
+
+def _usage(description: Description, name: str) -> list[str]:
+    """What else the file has than the functions that its heading names."""
+    swept = "".join(f", {argument}" for argument in description.swept)
+    return [
+        "The same for many directions under one sun, and less work for each:",
+        f"frame = {name}_frame_of(sun_direction{swept}), once for a picture, where you set uniforms;",
+        f"{name}_frame_rgb(frame, direction, sun_direction), and so _xyz and _xyY, for every pixel.",
+        f"Besides, for who wants them: {name}_sun_disc and {name}_sun_xyz, the sun in the sky;",
+        f"{name}_tone and {name}_encode, from luminance to what a screen shows.",
+    ]
 
 
 def _sky(fit: SkyFit | FormulaSky) -> FormulaSky:
