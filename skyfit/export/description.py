@@ -97,6 +97,18 @@ def needed(lines: list[Line], result: str) -> tuple[Line, ...]:
     return tuple(reversed(kept))
 
 
+def reached(functions: tuple[Function, ...], *names: str) -> tuple[Function, ...]:
+    """The functions of these names and all that they call, in their order."""
+    kept: list[Function] = []
+    words = set(names)
+    for function in reversed(functions):
+        if function.name in words:
+            kept.append(function)
+            texts = (function.result, *(line.expression for line in function.body))
+            words |= set(re.findall(r"\w+(?=\()", " ".join(texts)))
+    return tuple(reversed(kept))
+
+
 def linear(slope: float, intercept: float, swept: tuple[str, ...]) -> str:
     """Expression of a number linear in the swept parameter, or of the intercept without one."""
     return polynomial((slope, intercept), swept[0]) if swept else number(intercept)

@@ -2,7 +2,7 @@
 
 import ast
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from ..errors import InputError
 from .description import VECTORS, Function, Line
@@ -21,11 +21,12 @@ class Straight:
         lines: Lines made so far.
     """
 
-    def __init__(self, functions: tuple[Function, ...]):
+    def __init__(self, functions: tuple[Function, ...], taken: Iterable[str] = ()):
+        """Begin; names that are `taken` are given to no line."""
         self.lines: list[Line] = []
         self._functions = {function.name: function for function in functions}
         self._made: dict[str, str] = {}
-        self._names: set[str] = set()
+        self._names = set(taken)
 
     def call(self, name: str, arguments: Mapping[str, Value]) -> Value:
         """A function's result: a name or number, three of them for a vector, by field for a frame.
