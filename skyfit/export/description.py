@@ -86,6 +86,11 @@ class Description:
     policy: str
 
 
+def frame_fields(description: Description) -> tuple[str, ...]:
+    """Names of the numbers that are the same for a whole picture."""
+    return next(function.fields for function in description.functions if function.fields)
+
+
 def needed(lines: list[Line], result: str) -> tuple[Line, ...]:
     """The lines that a result depends on, in their order."""
     kept: list[Line] = []

@@ -13,7 +13,7 @@ from ..constants import SUN_ANGULAR_RADIUS
 from ..models.formula import FormulaSky
 from ..render.cameras import direction_of
 from ..sun.light import sun_xyY, visible_fraction
-from .description import Description, Function, Line
+from .description import Description, Function, Line, frame_fields
 from .dialect import AbstractDialect
 from .frame import framed
 from .straight import Straight
@@ -107,11 +107,6 @@ def function_file(description: Description, name: str, heading: list[str]) -> st
     body = [f"{name}_{line.name} = {line.expression};" for line in given]
     body += [dialect.definition(line) for line in lines]
     return "\n".join([dialect.opening(top), "", *body]) + "\n"
-
-
-def frame_fields(description: Description) -> tuple[str, ...]:
-    """Names of the numbers that are the same for a whole picture."""
-    return next(function.fields for function in description.functions if function.fields)
 
 
 def scene(

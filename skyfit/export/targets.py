@@ -1,15 +1,18 @@
 """Skies as files that renderers take as they are: templates around the languages."""
 
+import ast
 from collections.abc import Mapping
 from importlib import resources
+from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
 from ..constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
-from .description import Description, number, reached
+from .description import Description, frame_fields, number, reached
 from .dialect import AbstractDialect
 from .frame import framed
 from .languages import Glsl, Godot, Hlsl, JavaScript, Python
+from .straight import Straight
 
 
 TEMPLATES = {
@@ -49,17 +52,13 @@ def write_target(
 
     def code(language: str, *names: str) -> str:
         """Functions in a language: all, or these and what they call."""
-        if language == "hlsl-struct":
-            return Hlsl(name, ()).structure(_fields(description))
-        dialect = _LANGUAGES[language.removesuffix("-bare")]
+        dialect = _LANGUAGES[language]
         functions = framed(description, single=dialect.single)
         functions = reached(functions, *names) if names else functions
         writer = dialect(name, functions)
-        if language.endswith("-bare"):
-            return "\n\n".join(map(writer.function, functions))
         text = writer.body(functions)
         if language == "glsl" and "frame_of_angle" not in writer.functions:
-            return f"{writer.structure(_fields(description))}\n\n{text}"
+            return f"{writer.structure(frame_fields(description))}\n\n{text}"
         return text
 
     arguments = description.swept
@@ -79,6 +78,7 @@ def write_target(
         "diameter": number(2 * SUN_ANGULAR_RADIUS),
         "commented": lambda mark: "\n".join(f"{mark}{line}".rstrip() for line in heading),
         "code": code,
+        "written_out": _written_out(description, f"given_{haze}" if haze else _PLAIN_HAZE),
     }
     source = (resources.files("skyfit.export") / "targets" / TEMPLATES[target]).read_text("utf-8")
     environment = Environment(
@@ -87,8 +87,31 @@ def write_target(
     return environment.from_string(source).render(words)
 
 
-def _fields(description: Description) -> tuple[str, ...]:
-    return next(function.fields for function in description.functions if function.fields)
+def _written_out(description: Description, haze: str) -> dict[str, Any]:
+    """Sky and sun without functions: lines of HLSL, and names of what they make."""
+    vectors = {
+        name: tuple(ast.Name(f"{short}_{axis}") for axis in "xyz")
+        for name, short in (("direction", "view"), ("sun_direction", "sun"))
+    }
+    given = {argument: ast.Name(f"given_{argument}") for argument in description.swept}
+    taken = [part.id for vector in vectors.values() for part in vector]
+    straight = Straight(framed(description, single=True), [*taken, "light"])
+    sky = straight.call("rgb", vectors | given)
+    disc = straight.call("sun_disc", vectors)
+    up = ast.Constant(0), ast.Constant(0), ast.Constant(1)
+    zenith = straight.call(
+        "angle_between", {"direction": vectors["sun_direction"], "sun_direction": up}
+    )
+    before = ast.parse(haze, mode="eval").body
+    xyz = straight.call("sun_xyz", {"sun_zenith": zenith, "haze": before})
+    sun = straight.call("xyz_to_rgb", {"colour": xyz})
+    assert isinstance(sky, tuple)
+    assert isinstance(disc, ast.expr)
+    assert isinstance(sun, tuple)
+    writer = Hlsl("", ())
+    lines = "\n".join(text.strip() for line in straight.lines for text in writer.line(line))
+    names = {"sky": [ast.unparse(p) for p in sky], "sun": [ast.unparse(p) for p in sun]}
+    return {"lines": lines, "disc": ast.unparse(disc), **names}
 
 
 def _parameter(argument: str, low: float, high: float) -> dict[str, str]:
