@@ -15,7 +15,7 @@ from test_export_names import renamed
 import skyfit
 from skyfit.colour import xyY_to_xyz, xyz_to_rgb
 from skyfit.constants import SUN_SOLID_ANGLE
-from skyfit.export import TARGETS, export_fit
+from skyfit.export import TARGETS, export_fit, radiance_scene
 from skyfit.export.formula import describe_formula
 from skyfit.export.frame import framed
 from skyfit.export.languages import Godot
@@ -229,9 +229,28 @@ def test_every_target_is_ascii_and_of_the_name_that_is_given():
     for target in TARGETS:
         code = export_fit(PUBLISHED, target, name="mars")
         assert code.isascii()
-        assert "mars_" in code
+        assert ("mars_" in code) == (target != "unreal")  # whose lines have no functions
         assert not re.search(r"\bsky_", code)
         assert code.endswith("\n")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_heading_says_nothing_of_functions_that_are_not_there(target):
+    code = export_fit(PUBLISHED, target)
+    top = code[: code.index("goes on with the sky")]
+    assert "Valid range: turbidity 1.9 to 10" in top
+    assert "sky_" not in top
+
+
+@pytest.mark.parametrize("target", [*TARGETS, "scene"])
+def test_names_of_a_file_stay_out_of_the_code(target):
+    """A name that would end a line, a string and a comment: none of it is code."""
+    model = renamed('a"}\n#error */ `; oops("')
+    scene = target == "scene"
+    code = radiance_scene(model, 0.5) if scene else export_fit(model, target)
+    body = code[code.index("Here:" if scene else "goes on with the sky") :]
+    assert "#error" not in body
+    assert "oops(" not in body
 
 
 def test_a_wrong_target_is_refused_with_all_that_are_known():

@@ -100,7 +100,7 @@ def function_file(description: Description, name: str, heading: list[str]) -> st
     top = [
         *heading,
         "",
-        f"Arguments, one by one: {', '.join((*fields, *sun))}.",
+        "Arguments, one by one, as they are named below.",
         f"Where they come from, and how {name}_red, {name}_green and {name}_blue are used: the",
         "scene (.rad) that is written beside this file.",
     ]
@@ -126,7 +126,7 @@ def scene(
     numbers = " ".join(f"{value:.9g}" for value in (*frame_numbers(sky, zenith), *towards))
     count = numbers.count(" ") + 1
     direction = " ".join(f"{value:.9g}" for value in towards)
-    solar = [f"# No sun: what dims it is not known from {', '.join(sky.swept) or 'the sky'}."]
+    solar = ["# No sun: the sky does not tell what dims it."]
     if "turbidity" in sky.swept:
         solar = _sun(float(sky.swept["turbidity"]), zenith, name, direction)
     return "\n".join(

@@ -64,10 +64,10 @@ def export_fit(fit: SkyFit | FormulaSky, format: str, *, name: str = "sky") -> s
         return _json(sky, description, provenance)
     top = heading(description, name, provenance)
     if format == RADIANCE:
-        return function_file(description, name, top)
-    top = [*top, "", *_usage(description, name)]
+        return function_file(description, name, _without_use(top))
     if format in TEMPLATES:
-        return write_target(format, description, dict(sky.ranges), name, top)
+        return write_target(format, description, dict(sky.ranges), name, _without_use(top))
+    top = [*top, "", *_usage(description, name)]
     dialect = FORMATS[format]
     assert dialect is not None
     functions = framed(description, single=dialect.single)
@@ -110,11 +110,14 @@ def radiance_scene(
     if file != "".join(file.split()):
         raise InputError(f"radiance_scene(function_file=...): expected no blanks; got {file!r}")
     sky = fit.sky(**swept) if isinstance(fit, SkyFit) else fit
-    values = ", ".join(f"{key} {float(value):.6g}" for key, value in sky.swept.items())
-    sun = f"sun {math.degrees(zenith):.6g} degrees from the zenith, azimuth "
+    description = describe_formula(sky)
+    given = zip(description.swept, sky.swept.values(), strict=True)
+    values = "".join(f"{argument} {float(value):.6g}, " for argument, value in given)
+    degrees = f"{math.degrees(zenith):.6g} degrees from the zenith"
     top = [
-        *_provenance(fit),
-        f"Here: {values + ', ' if values else ''}{sun}{math.degrees(sun_azimuth):.6g}.",
+        *_without_use(heading(description, name, _provenance(fit))),
+        "",
+        f"Here: {values}sun {degrees}, azimuth {math.degrees(sun_azimuth):.6g}.",
         "Radiances are luminances over 179 lm/W.",
     ]
     return scene(sky, name, (float(zenith), float(sun_azimuth)), top, file)
@@ -129,6 +132,12 @@ def _check_name(name: str, what: str) -> None:
         raise InputError(
             f"{what}: expected a letter, then letters, digits and single underscores; got {name!r}"
         )
+
+
+def _without_use(top: list[str]) -> list[str]:
+    """A heading without the paragraph that tells how the functions are called."""
+    first = next(k for k, line in enumerate(top) if line.startswith("Use "))
+    return top[:first] + top[top.index("", first) + 1 :]
 
 
 def _usage(description: Description, name: str) -> list[str]:
