@@ -17,7 +17,8 @@ from skyfit.export.formula import describe_formula
 from skyfit.export.frame import framed
 from skyfit.export.straight import Straight
 from skyfit.render.tone import encode, tone_curve
-from skyfit.sun.light import visible_fraction
+from skyfit.sun.light import air_mass, visible_fraction
+from skyfit.tables import read_table
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -42,7 +43,7 @@ def test_the_suns_disc_is_as_bright_as_its_light(language, tmp_path):
     found = run_with_picture(export_fit(PUBLISHED, language), language, data, tmp_path)
     whole = np.asarray(xyY_to_xyz(skyfit.sun_xyY(3.0, sun)))
     whole = whole / np.asarray(visible_fraction(jnp.asarray(sun)))[:, None]
-    # 2 % of Y; of Z, which falls fastest, 4 %
+    # 2 % of Y; of Z, which falls fastest, 4 % in such haze
     np.testing.assert_allclose(found[::301, 22], whole[:, 1], rtol=0.02)
     np.testing.assert_allclose(found[::301, 21:24], whole, rtol=0.04)
     disc = found[301:602, 24]  # the sun at 30 degrees
@@ -51,6 +52,23 @@ def test_the_suns_disc_is_as_bright_as_its_light(language, tmp_path):
     # The mean over the disc is 1: its light is that of a plain disc.
     assert np.trapezoid(2 * disc * radius, radius) == pytest.approx(1, abs=5e-3)
     assert disc[radius > 1.001].max() == 0
+
+
+def test_the_suns_powers_are_least_squares():
+    suns = np.radians(np.r_[np.linspace(0, 80, 20), np.linspace(81, 90, 20)])
+    haze, sun = (a.ravel() for a in np.meshgrid(np.linspace(1.9, 10, 12), suns))
+    above = np.asarray(visible_fraction(jnp.asarray(sun)))
+    light = np.asarray(xyY_to_xyz(skyfit.sun_xyY(haze, sun))) / above[:, None]
+    root, powers = np.sqrt(np.asarray(air_mass(jnp.asarray(sun)))), np.arange(3, -1, -1)
+    terms = root[:, None, None] ** powers[:, None] * haze[:, None, None] ** powers
+    terms = terms.reshape(len(sun), 16)
+    table = read_table("sun_disc_powers")
+    rows = np.stack([table[f"haze{k}"] for k in powers], axis=1).reshape(3, 16)
+    found = np.linalg.lstsq(terms, np.log(light), rcond=None)[0]
+    np.testing.assert_allclose(terms @ rows.T, terms @ found, atol=1e-6)
+    error = np.abs(np.exp(terms @ rows.T) / light - 1).max(axis=0)
+    assert error[:2].max() < 0.013
+    assert error[2] < 0.055
 
 
 def test_a_disc_below_the_horizon_is_not_seen(tmp_path):

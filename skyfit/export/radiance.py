@@ -3,15 +3,14 @@
 import ast
 import math
 
-import colour
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from ..angles import unit_vector
 from ..colour import xyY_to_xyz
 from ..constants import SUN_ANGULAR_RADIUS
 from ..models.formula import FormulaSky
-from ..render.cameras import direction_of
 from ..sun.light import sun_xyY, visible_fraction
 from .description import Description, Function, Line, frame_fields
 from .dialect import AbstractDialect
@@ -122,7 +121,7 @@ def scene(
         file: Name of the function file.
     """
     zenith, azimuth = sun
-    towards = direction_of(zenith, azimuth)
+    towards = np.asarray(unit_vector(jnp.asarray(zenith), jnp.asarray(math.pi / 2 - azimuth)))
     numbers = " ".join(f"{value:.9g}" for value in (*frame_numbers(sky, zenith), *towards))
     count = numbers.count(" ") + 1
     direction = " ".join(f"{value:.9g}" for value in towards)
@@ -185,6 +184,8 @@ def _sun(turbidity: float, zenith: float, name: str, direction: str) -> list[str
 
 def _radiance_matrix() -> Float[np.ndarray, "3 3"]:
     """Radiance's red, green and blue [W m⁻² sr⁻¹] of CIE XYZ [cd m⁻²]."""
+    import colour
+
     to_xyz = colour.normalised_primary_matrix(_PRIMARIES, _WHITE)
     return np.linalg.inv(to_xyz) / _LUMENS_PER_WATT
 

@@ -1,20 +1,16 @@
 """What a picture may add to an exported sky: the sun, a tone curve, the encoding of sRGB."""
 
 import math
-from functools import cache
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from ..colour import xyY_to_xyz
 from ..constants import SUN_ANGULAR_RADIUS
-from ..sun.light import air_mass, limb_darkening, sun_xyY, visible_fraction
+from ..tables import read_table
 from .description import Function, Line, number, polynomial
 
 
-_MIDDLE_OF_LIGHT = 550.0  # nm
-_DEGREE = 3
+# Half of the exponent of `skyfit.sun.light.limb_darkening` at 550 nm
+_LIMB = (-0.023 + 0.292 / 0.55) / 2
 
 
 def sun_functions() -> tuple[Function, ...]:
@@ -23,10 +19,7 @@ def sun_functions() -> tuple[Function, ...]:
 
 
 def _sun_disc() -> Function:
-    """Darker at the limb, as `skyfit.sunlight` has it at 550 nm."""
-    centre = limb_darkening(jnp.zeros(()), jnp.asarray([_MIDDLE_OF_LIGHT]))
-    exponent = number(float(centre[0]) - 1)
-    radius = number(SUN_ANGULAR_RADIUS)
+    exponent, radius = number(_LIMB), number(SUN_ANGULAR_RADIUS)
     return Function(
         "sun_disc",
         "Brightness of the sun's disc in a direction over the mean of the whole disc: darker at\n"
@@ -43,28 +36,6 @@ def _sun_disc() -> Function:
     )
 
 
-@cache
-def sun_numbers() -> Float[np.ndarray, "3 power power"]:
-    """Numbers of ln X, Y, Z of the sun's disc: by powers of the root of air mass and of turbidity.
-
-    The highest power first on both axes; least squares on turbidities 1.9 to 10 and suns 0 to 90
-    degrees from the zenith.
-    """
-    haze, sun = (a.ravel() for a in np.meshgrid(np.linspace(1.9, 10, 12), _suns()))
-    above = np.asarray(visible_fraction(jnp.asarray(sun)), float)
-    light = np.asarray(xyY_to_xyz(sun_xyY(haze, sun)), float) / above[:, None]
-    root = np.sqrt(np.asarray(air_mass(jnp.asarray(sun)), float))
-    powers = np.arange(_DEGREE, -1, -1)
-    terms = root[:, None, None] ** powers[:, None] * haze[:, None, None] ** powers
-    found = np.linalg.lstsq(terms.reshape(len(sun), -1), np.log(light), rcond=None)[0]
-    return found.T.reshape(3, _DEGREE + 1, _DEGREE + 1)
-
-
-def _suns() -> Float[np.ndarray, " sun"]:
-    """Zenith angles, closer together where light falls fast [rad]."""
-    return np.radians(np.r_[np.linspace(0, 80, 20), np.linspace(81, 90, 20)])
-
-
 def _sun_xyz() -> Function:
     lines = [
         Line("day", f"clamp(sun_zenith, 0, {number(math.pi / 2)})"),
@@ -72,20 +43,22 @@ def _sun_xyz() -> Function:
         Line("root", "sqrt(1 / (cos(day) + 0.15 * pow(height, -1.253)))"),
         Line("hazy", "clamp(haze, 1.9, 10)"),
     ]
-    for channel, table in zip("XYZ", sun_numbers(), strict=True):
-        rows = [f"{channel}{k}" for k in range(_DEGREE + 1)]
+    powers = read_table("sun_disc_powers")
+    for channel in "XYZ":
+        table = np.stack([powers[f"haze{k}"] for k in (3, 2, 1, 0)], axis=1)
+        rows = [f"{channel}{k}" for k in (3, 2, 1, 0)]
         lines += [
-            Line(name, polynomial(row, "hazy")) for name, row in zip(rows, table, strict=True)
+            Line(name, polynomial(row, "hazy"))
+            for name, row in zip(rows, table[powers["channel"] == channel], strict=True)
         ]
-        first, *rest = rows
-        text = first
-        for row in rest:
+        text = rows[0]
+        for row in rows[1:]:
             text = f"({text}) * root + {row}"
         lines.append(Line(channel, f"exp({text})"))
     return Function(
         "sun_xyz",
         "CIE XYZ [cd/m^2] of the sun's disc, the mean over it, through haze of a turbidity of 1.9\n"
-        "to 10: Preetham, Shirley & Smits (1999), appendix A.1. Y is within 2 % of its integral.",
+        "to 10: Preetham, Shirley & Smits (1999), appendix A.1, within 2 % in X and Y, 6 % in Z.",
         ("sun_zenith", "haze"),
         tuple(lines),
         "vector(X, Y, Z)",
