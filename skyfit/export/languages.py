@@ -14,13 +14,15 @@ class Glsl(AbstractDialect):
 
     single = True
     number_type, vector_type = "float", "vec3"
+    members_in_line = 6
 
     def structure(self, fields: tuple[str, ...]) -> str:
         """The type of a frame."""
         return f"struct {self.prefix}_frame {{\n{self._members(fields)}\n}};"
 
     def _members(self, fields: tuple[str, ...]) -> str:
-        rows = (fields[k : k + 6] for k in range(0, len(fields), 6))
+        count = self.members_in_line
+        rows = (fields[k : k + count] for k in range(0, len(fields), count))
         return "\n".join(f"    {self.number_type} {', '.join(row)};" for row in rows)
 
     def frame(self, fields: tuple[str, ...]) -> list[str]:
@@ -56,7 +58,9 @@ class Hlsl(Glsl):
 
 
 class Godot(Glsl):
-    """Godot's shading language, in which some letters are constants."""
+    """Godot's shading language: some letters are constants, a member of a structure has a line."""
+
+    members_in_line = 1
 
     def expression(self, text: str) -> str:
         """An expression of the description in this language."""
