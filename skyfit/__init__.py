@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from .dataset.measurements import cornell_skies as cornell_skies
     from .dataset.runner import run_campaign as run_campaign
     from .errors import InputError as InputError
-    from .export import export_fit as export_fit
+    from .export import export_fit as export_fit, radiance_scene as radiance_scene
     from .fitting import (
         Dependence as Dependence,
         SkyFit as SkyFit,
@@ -129,7 +129,7 @@ _NAMES = {
     "dataset.measurements": ("cornell_skies",),
     "dataset.runner": ("run_campaign",),
     "errors": ("InputError",),
-    "export": ("export_fit",),
+    "export": ("export_fit", "radiance_scene"),
     "fitting": ("Dependence", "SkyFit", "fit_sky", "load_fit", "positivity"),
     "judging": ("colour_claim", "compare_weights", "ladder", "recovery_error", "shape_error"),
     "marcher": ("scs_air", "scs_atmosphere", "scs_sky"),

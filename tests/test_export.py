@@ -14,7 +14,7 @@ import skyfit
 from skyfit import cli
 from skyfit.angles import unit_vector
 from skyfit.colour import xyz_to_rgb, xyz_to_xyY
-from skyfit.export import FORMATS, export_fit
+from skyfit.export import FORMATS, TARGETS, export_fit
 from skyfit.export.description import Function
 from skyfit.export.dialect import AbstractDialect
 from skyfit.export.languages import Glsl, JavaScript, Python
@@ -205,7 +205,7 @@ def test_json_has_the_numbers_of_the_fit(fit):
 
 
 def test_every_language_says_where_the_numbers_are_from(fit):
-    for language in FORMATS:
+    for language in (*FORMATS, *TARGETS):
         code = export_fit(fit, language)
         assert code.isascii()
         for words in ("skies of a model", "RMS error of the fit", "turbidity 2 to 6, sun 5 to 75"):
@@ -216,7 +216,7 @@ def test_every_language_says_where_the_numbers_are_from(fit):
 @pytest.mark.usefixtures("float32")
 def test_published_coefficients_are_written_as_printed_whatever_the_precision():
     code = export_fit(skyfit.preetham_sky(3.0), "glsl")
-    assert "float A = 0.1787 * turbidity - 1.463;" in code
+    assert "float A_Y = 0.1787 * held_turbidity - 1.463;" in code
 
 
 def test_another_name_begins_every_function():
@@ -279,5 +279,5 @@ def test_the_command_writes_what_the_function_returns(fit, tmp_path, capsys):
 
 def test_the_command_knows_every_format():
     option = next(o for o in cli.commands.commands["export"].params if o.name == "language")
-    assert list(option.type.choices) == list(FORMATS)
+    assert list(option.type.choices) == [*FORMATS, *TARGETS]
     assert all(issubclass(d, AbstractDialect) for d in FORMATS.values() if d)

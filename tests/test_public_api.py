@@ -60,6 +60,7 @@ PUBLIC = {
     "positivity",
     "preetham_atmosphere",
     "preetham_sky",
+    "radiance_scene",
     "recovery_error",
     "reproduce",
     "run_benchmarks",

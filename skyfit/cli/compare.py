@@ -7,8 +7,10 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.fitting import paper_refit
+from skyfit.render.source_files import REFIT
 
-from .options import as_json
+from .options import as_json, settings
 from .output import print_json, progress
 
 
@@ -25,14 +27,24 @@ from .output import print_json, progress
     "fits",
     type=click.Path(path_type=Path),
     multiple=True,
-    help="A fit file to compare as well; may be repeated.",
+    help="A fit file to compare as well, or the word refit; may be repeated.",
 )
+@settings
 @as_json
-def compare(sun_zenith_deg: float, turbidity: float, fits: tuple[Path, ...], as_json: bool) -> int:
+def compare(
+    sun_zenith_deg: float,
+    turbidity: float,
+    fits: tuple[Path, ...],
+    settings: dict[str, float],
+    as_json: bool,
+) -> int:
     """Print the same sky through every model side by side."""
-    known = {path.name: skyfit.load_fit(path) for path in fits}
+    known = {
+        path.name: paper_refit() if str(path) == REFIT else skyfit.load_fit(path) for path in fits
+    }
+    sun = math.radians(sun_zenith_deg)
     with progress("simulating", quiet=as_json):
-        rows = skyfit.compare_skies(math.radians(sun_zenith_deg), turbidity, fits=known)
+        rows = skyfit.compare_skies(sun, turbidity, fits=known, parameters=settings)
     if as_json:
         print_json({"sun_zenith_deg": sun_zenith_deg, "turbidity": turbidity, "skies": rows})
     else:

@@ -1,47 +1,82 @@
 """`skyfit export`: a sky formula as source code."""
 
+import math
 from pathlib import Path
+from typing import Any
 
 import click
 
 import skyfit
-from skyfit.export.write import FORMATS
+from skyfit.export import FORMATS, TARGETS, radiance_scene
+from skyfit.export.write import RADIANCE
 from skyfit.fitting import paper_refit
+from skyfit.render.source_files import PUBLISHED, REFIT
 
-from .options import as_json
+from .options import as_json, settings
 from .output import print_record
-
-
-PUBLISHED, REFIT = "published", "refit"
 
 
 @click.command()
 @click.argument("sky")
 @click.option(
     "--format",
+    "--target",
     "language",
-    type=click.Choice(list(FORMATS)),
+    type=click.Choice([*FORMATS, *TARGETS]),
     required=True,
-    help="Language; python needs NumPy only, json has the numbers.",
+    help="A language: python needs NumPy only, json has the numbers. Or a renderer, for a file "
+    "that runs as it is; for radiance, --out ends in .rad, and the .cal is written beside it.",
 )
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Where the code goes.")
 @click.option(
     "--name", default="sky", show_default=True, help="What the functions' names begin with."
 )
+@click.option("--sun-zenith-deg", type=click.FloatRange(0, 180), help="Of a .rad; 45 if absent.")
+@click.option("--sun-azimuth-deg", type=float, help="Of a .rad; compass, 180 if absent.")
+@settings
 @as_json
-def export(sky: str, language: str, out: Path, name: str, as_json: bool) -> int:
+def export(sky: str, language: str, out: Path, name: str, as_json: bool, **scene: Any) -> int:
     """Write a sky formula as source code for a renderer.
 
     SKY is a fit file, or the word "published", or "refit": the paper's formula fitted to the
     paper's campaign.
     """
-    if out.exists():
-        raise click.UsageError(f"--out: {out} exists already; give another name")
-    if sky == PUBLISHED:
-        formula = skyfit.preetham_sky(2.0)
-    else:
-        formula = paper_refit() if sky == REFIT else skyfit.load_fit(sky)
-    code = skyfit.export_fit(formula, language, name=name)
-    out.write_text(code, encoding="utf-8")
-    print_record({"out": str(out), "format": language, "lines": code.count("\n")}, as_json)
+    files = [out]
+    if language == RADIANCE:
+        if out.suffix != ".rad":
+            raise click.UsageError(f"--out: expected a name that ends in .rad; got {out}")
+        files.append(out.with_suffix(".cal"))
+    elif any(value not in (None, {}) for value in scene.values()):
+        raise click.UsageError("--sun-zenith-deg, --sun-azimuth-deg, --set: only for radiance")
+    for file in files:
+        if file.exists():
+            raise click.UsageError(f"--out: {file} exists already; give another name")
+    formula, settings = _formula(sky, scene["settings"] if language == RADIANCE else None)
+    texts = [skyfit.export_fit(formula, language, name=name)]
+    if language == RADIANCE:
+        zenith, azimuth = (scene[f"sun_{angle}_deg"] for angle in ("zenith", "azimuth"))
+        sun = math.radians(45.0 if zenith is None else zenith)
+        north = math.radians(180.0 if azimuth is None else azimuth)
+        found = radiance_scene(
+            formula, sun, north, name=name, function_file=files[1].name, **settings
+        )
+        texts.insert(0, found)
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text, encoding="utf-8")
+    lines = sum(text.count("\n") for text in texts)
+    written = ", ".join(map(str, files))
+    print_record({"out": written, "format": language, "lines": lines}, as_json)
     return 0
+
+
+def _formula(sky: str, settings: dict[str, float] | None):
+    """A sky by file or word, and the parameters that it still wants; None where it stays open."""
+    if sky == REFIT:
+        return paper_refit(), settings or {}
+    if sky != PUBLISHED:
+        return skyfit.load_fit(sky), settings or {}
+    if settings is None:
+        return skyfit.preetham_sky(2.0), {}  # turbidity is an argument of what is written
+    if list(settings) != ["turbidity"]:
+        raise click.UsageError("--set: expected turbidity=VALUE for the published model")
+    return skyfit.preetham_sky(settings["turbidity"]), {}

@@ -9,7 +9,7 @@ import numpy as np
 import skyfit
 from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
 
-from .options import as_json
+from .options import as_json, settings
 from .output import INTERRUPTED, complain, print_record, progress
 
 
@@ -29,6 +29,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
     type=float,
     help="Of the sky where the file has several or none; or the value of what else it sweeps.",
 )
+@settings
 @click.option(
     "--sun-zenith-deg", type=click.FloatRange(0, 180),
     help="45 if absent, or the sun of the one sky in SKY.",
@@ -100,9 +101,10 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     """Make a picture of a sky: fisheye dome, panorama, perspective, or a day of them.
 
     SKY is a fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr, .nc), or
-    the word cornell for a measured sky; without it the published model is shown. EXR and HDR files
-    hold luminance, a PNG what a camera would show of it. Finished frames of a day are kept beside
-    it until it is written: after an interruption the same command continues.
+    a word: refit for the paper's formula fitted to its campaign, cornell for a measured sky,
+    published for the published model, as without SKY. EXR and HDR files hold luminance, a PNG what
+    a camera would show of it. Finished frames of a day are kept beside it until it is written:
+    after an interruption the same command continues.
     """
     look = skyfit.render
     kind = look.check_target(out, options["overwrite"])
@@ -112,7 +114,7 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
         raise click.UsageError("--terrain: only for one picture, not for a day")
     land = _land(options["terrain"], options["view"], options["shafts"])
     height = 0.0 if land is not None else options["altitude_m"]
-    source = look.load_source(sky, options["turbidity"], given, height)
+    source = look.load_source(sky, options["turbidity"], given, height, options["settings"])
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
     saved = {name: options[name] for name in ("ev", "tone", "gamut", "overwrite")}
     zenith, azimuth = look.sun_of(source, given), np.radians(options["sun_azimuth_deg"])

@@ -31,6 +31,7 @@ def compare_skies(
     turbidity: float,
     *,
     fits: Mapping[str, SkyFit] | None = None,
+    parameters: Mapping[str, float] | None = None,
     models: Sequence[Entry] = MODELS,
 ) -> list[dict[str, Any]]:
     """Describe the same sky as every model sees it.
@@ -39,6 +40,7 @@ def compare_skies(
         sun_zenith: Zenith angle of the sun, in [0, π] [rad].
         turbidity: Turbidity, 1 or more.
         fits: Fits to be rows as well, by name.
+        parameters: Values of what the fits were made for, by name: all that is not turbidity.
         models: Names of the models; all that are known by default. Those whose package is not
             installed are left out.
 
@@ -50,7 +52,8 @@ def compare_skies(
         valid range; `white`, what counts as luminance 1 where the model knows no cd m⁻², or None.
 
     Raises:
-        InputError: A sun or turbidity out of range, or a fit of something else than turbidity.
+        InputError: A sun or turbidity out of range; a parameter of a fit without a value, or a
+            value of a parameter that no fit has.
     """
     sun = as_scalar(sun_zenith, "compare_skies(sun_zenith=...)")
     haze = as_scalar(turbidity, "compare_skies(turbidity=...)")
@@ -58,17 +61,25 @@ def compare_skies(
     check(haze, lambda v: ~(v >= 1), "compare_skies(turbidity=...) must be 1 or more")
     at = Conditions(float(sun), float(haze))
     entries = [entry for entry in models if not entry.package or find_spec(entry.package)]
-    entries += [_entry(name, fit) for name, fit in (fits or {}).items()]
+    given = {"turbidity": float(haze)} | dict(parameters or {})
+    entries += [_entry(name, fit, given) for name, fit in (fits or {}).items()]
+    known = {"turbidity"}.union(*(fit.swept for fit in (fits or {}).values()))
+    if (unknown := sorted(set(given) - known)) or "turbidity" in (parameters or {}):
+        raise InputError(
+            "compare_skies(parameters=...): expected what fits are over, turbidity apart; got "
+            f"{', '.join(unknown or ['turbidity'])}"
+        )
     return [_row(entry, at) for entry in entries]
 
 
-def _entry(name: str, fit: SkyFit) -> Entry:
-    if set(fit.swept) - {"turbidity"}:
+def _entry(name: str, fit: SkyFit, given: Mapping[str, float]) -> Entry:
+    if missing := [parameter for parameter in fit.swept if parameter not in given]:
+        values = ", ".join(f"{parameter}=VALUE" for parameter in missing)
         raise InputError(
-            f"compare_skies(fits=...): {name} is a fit over {sorted(fit.swept)}, "
-            "expected turbidity or nothing"
+            f"compare_skies(fits=...): {name} is a fit over {', '.join(fit.swept)}; expected "
+            f"{values} (--set, parameters=...)"
         )
-    return Entry(name, lambda at: fit.sky(**{n: at.turbidity for n in fit.swept}))
+    return Entry(name, lambda _: fit.sky(**{n: given[n] for n in fit.swept}))
 
 
 def _row(entry: Entry, at: Conditions) -> dict[str, Any]:
@@ -97,10 +108,10 @@ def _row(entry: Entry, at: Conditions) -> dict[str, Any]:
 def _outside(sky: HasColour, at: Conditions) -> list[str]:
     """The conditions that are out of a model's valid range, in words."""
     valid, said = getattr(sky, "valid_range", {}), []
-    if "turbidity" in valid:
-        low, high = valid["turbidity"]
-        if not low <= at.turbidity <= high:
-            said.append(f"turbidity is valid from {low:.6g} to {high:.6g}")
+    values = getattr(sky, "swept", {}) | {"turbidity": at.turbidity}
+    for name, (low, high) in valid.items():
+        if name in values and not low <= float(values[name]) <= high:
+            said.append(f"{name} is valid from {low:.6g} to {high:.6g}")
     if "sun_zenith" in valid:
         low, high = valid["sun_zenith"]
         if not low - 1e-6 <= at.sun_zenith <= high + 1e-6:

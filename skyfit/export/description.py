@@ -1,7 +1,8 @@
 """One description of a formula, from which every language is written.
 
 A formula is a list of functions of numbers and vectors. Their expressions are text in Python's
-syntax, restricted to `+ - * /`, comparisons, components such as `direction.z`, numbers, and calls:
+syntax, restricted to `+ - * /`, comparisons, components such as `direction.z` and `frame.A_x`,
+numbers, and calls:
 of the functions in `BUILT_IN`, of `vector(x, y, z)`, of `where(condition, if_true, if_false)` and
 of functions described before.
 """
@@ -35,16 +36,19 @@ class Line:
 
 @dataclass(frozen=True)
 class Function:
-    """A function that returns a number or a vector.
+    """A function that returns a number, a vector or a frame: what is the same for a whole picture.
 
     Attributes:
         name: Name without the prefix that the export gives to all.
         doc: What the function returns, in one or more lines.
-        arguments: Names of the arguments; `direction`, `sun_direction` and `colour` are vectors.
+        arguments: Names of the arguments; `direction`, `sun_direction` and `colour` are vectors,
+            `frame` is a frame.
         body: Lines, in order.
         result: Expression that is returned.
         returns_vector: Whether the result is a vector.
         public: Whether callers are meant to use it.
+        returns_frame: Whether the result is a frame.
+        fields: Names of lines that together are the frame that is returned, in place of a result.
     """
 
     name: str
@@ -54,9 +58,12 @@ class Function:
     result: str
     returns_vector: bool = False
     public: bool = False
+    returns_frame: bool = False
+    fields: tuple[str, ...] = ()
 
 
 VECTORS = ("direction", "sun_direction", "colour")
+FRAME = "frame"
 
 
 @dataclass(frozen=True)
@@ -79,6 +86,11 @@ class Description:
     policy: str
 
 
+def frame_fields(description: Description) -> tuple[str, ...]:
+    """Names of the numbers that are the same for a whole picture."""
+    return next(function.fields for function in description.functions if function.fields)
+
+
 def needed(lines: list[Line], result: str) -> tuple[Line, ...]:
     """The lines that a result depends on, in their order."""
     kept: list[Line] = []
@@ -87,6 +99,18 @@ def needed(lines: list[Line], result: str) -> tuple[Line, ...]:
         if line.name in words:
             kept.append(line)
             words |= set(re.findall(r"\w+", line.expression))
+    return tuple(reversed(kept))
+
+
+def reached(functions: tuple[Function, ...], *names: str) -> tuple[Function, ...]:
+    """The functions of these names and all that they call, in their order."""
+    kept: list[Function] = []
+    words = set(names)
+    for function in reversed(functions):
+        if function.name in words:
+            kept.append(function)
+            texts = (function.result, *(line.expression for line in function.body))
+            words |= set(re.findall(r"\w+(?=\()", " ".join(texts)))
     return tuple(reversed(kept))
 
 

@@ -4,7 +4,7 @@ import abc
 import ast
 
 from ..errors import InputError
-from .description import BUILT_IN, VECTORS, Function, Line
+from .description import BUILT_IN, FRAME, VECTORS, Function, Line
 
 
 _SIGNS = {ast.Add: ("+", 1), ast.Sub: ("-", 1), ast.Mult: ("*", 2), ast.Div: ("/", 2)}
@@ -33,23 +33,41 @@ class AbstractDialect(abc.ABC):
 
     def file(self, heading: list[str], functions: tuple[Function, ...]) -> str:
         """The whole file."""
-        parts = [self.opening(heading), *map(self.function, functions), self.closing(functions)]
+        parts = [self.opening(heading), self.body(functions), self.closing()]
         return "\n\n".join(part for part in parts if part) + "\n"
+
+    def body(self, functions: tuple[Function, ...]) -> str:
+        """The functions alone, after the type of a frame where the language wants one."""
+        frames = [self.structure(function.fields) for function in functions if function.fields]
+        return "\n\n".join(part for part in (*frames, *map(self.function, functions)) if part)
+
+    def structure(self, fields: tuple[str, ...]) -> str:
+        """The type of a frame."""
+        return ""
 
     def opening(self, heading: list[str]) -> str:
         """Comments at the top, and what the language wants before the first function."""
         return self.comments("\n".join(heading), "")
 
-    def closing(self, functions: tuple[Function, ...]) -> str:
+    def closing(self) -> str:
         """What comes after the last function."""
         return ""
 
     def function(self, function: Function) -> str:
         """One function with its comment."""
         lines = [line for entry in function.body for line in self.line(entry)]
-        result = f"    return {self.expression(function.result)}{self.end}"
         head = [self.comments(function.doc, ""), self.signature(function)]
-        return "\n".join([*head, *lines, result, "}"])
+        return "\n".join([*head, *lines, *self.returned(function), "}"])
+
+    def returned(self, function: Function) -> list[str]:
+        """The lines that return a function's result."""
+        if function.fields:
+            return self.frame(function.fields)
+        return [f"    return {self.expression(function.result)}{self.end}"]
+
+    @abc.abstractmethod
+    def frame(self, fields: tuple[str, ...]) -> list[str]:
+        """The lines that return a frame of these numbers."""
 
     def line(self, line: Line) -> list[str]:
         """One new number, after its comment."""
@@ -82,6 +100,10 @@ class AbstractDialect(abc.ABC):
         """One component of a vector."""
         return f"{vector}.{name}"
 
+    def field(self, name: str) -> str:
+        """One number of a frame."""
+        return f"{FRAME}.{name}"
+
     def where(self, condition: str, if_true: str, if_false: str) -> str:
         """A choice."""
         return f"({condition} ? {if_true} : {if_false})"
@@ -103,6 +125,8 @@ class AbstractDialect(abc.ABC):
                 return name, _TIGHT
             case ast.Attribute(value=ast.Name(id=name), attr=attr) if name in VECTORS:
                 return self.component(name, attr), _TIGHT
+            case ast.Attribute(value=ast.Name(id="frame"), attr=attr):
+                return self.field(attr), _TIGHT
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return f"-{self._inside(operand, 3)}", 2
             case ast.Compare(left=left, ops=[sign], comparators=[right]):

@@ -7,7 +7,7 @@ from ..models.basis import SUN
 from ..models.formula import CHANNEL_KINDS, FormulaSky
 from ..models.scale import LogScale, PaperZenith
 from .dependence import Terms
-from .description import Description, Function, Line, exact, needed, number
+from .description import FRAME, Description, Function, Line, exact, needed, number
 from .distributions import distribution, linked
 from .frame import framed
 from .names import argument_names
@@ -18,16 +18,22 @@ from .scales import scale_functions, scale_of_channel
 _ASCII = str.maketrans(
     {"θ": "theta", "γ": "gamma", "χ": "chi", "Σ": "sum of", "π": "pi", "²": "^2", "√": "sqrt"}
 )
+_BELOW = (
+    "A view below the horizon goes on with the sky: the factor of the view's zenith angle is held\n"
+    "at the horizon's, the angle to the sun stays the true one. It is no ground, and as bright as\n"
+    "the horizon only at the horizon."
+)
 _POLICY = {
     PaperZenith: (
-        "A view below the horizon sees the brightness of the horizon. With the sun below the\n"
-        "horizon the zenith keeps its colour of sunset and dims by a decade for every 2.5\n"
-        "degrees. Luminance is never negative, and nothing jumps."
+        f"{_BELOW}\n"
+        "With the sun below the horizon the zenith keeps its colour of sunset and dims by a\n"
+        "decade for every 2.5 degrees. Luminance is never negative, and nothing jumps."
     ),
     LogScale: (
-        "A view below the horizon sees the brightness of the horizon. A sun lower than the valid\n"
-        "range dims the sky at a constant rate, and below the horizon by a decade for every 2.5\n"
-        "degrees; parameters are held at the nearest end of their range. Nothing jumps."
+        f"{_BELOW}\n"
+        "A sun lower than the valid range dims the sky at a constant rate, and below the horizon\n"
+        "by a decade for every 2.5 degrees; parameters are held at the nearest end of their\n"
+        "range. Nothing jumps."
     ),
 }
 _XYZ_TO_XYY = Function(
@@ -56,15 +62,17 @@ def describe_formula(sky: FormulaSky) -> Description:
 
 def _described(sky: FormulaSky, swept: tuple[str, ...]) -> Description:
     """The formula with these names for its parameters."""
-    names = dict(zip((name for name, _ in sky.ranges), swept, strict=True)) | {SUN: SUN}
+    names = dict(zip((name for name, _ in sky.ranges), _held(swept), strict=True)) | {SUN: SUN}
     channels = _channels(sky)
     scales = scale_functions(sky.scale, swept)
     functions = (
         *distribution(sky.distribution),
         *scales,
-        *(_channel(sky, k, name, names, swept) for k, name in enumerate(channels)),
+        _frame(sky, channels, names, swept),
+        *(_channel(sky, channel, swept) for channel in channels),
         *(() if sky.kind == "Yxy" else (_XYZ_TO_XYY,)),
-        _xyY_of_angles(sky, channels, swept),
+        _frame_xyY_of_angles(sky, channels),
+        _xyY_of_angles(swept),
     )
     relative = " / F(0, theta_sun)" if sky.distribution.relative else ""
     what = "zenith value" if scales else "scale"
@@ -84,45 +92,75 @@ def _channels(sky: FormulaSky) -> tuple[str, ...]:
     return tuple(f"radiance_{band}nm" for band in bands)
 
 
-def _channel(sky: FormulaSky, k: int, name: str, names, swept: tuple[str, ...]) -> Function:
-    """One channel: its scale, its coefficients and their distribution."""
+def _frame(sky: FormulaSky, channels: tuple[str, ...], names, swept: tuple[str, ...]) -> Function:
+    """All that depends on the sun and the parameters alone: coefficients, and what they weigh."""
+    lines = []
+    for (_, ends), held, given in zip(sky.ranges, _held(swept), swept, strict=True):
+        low, high = map(number, ends)
+        comment = f"Outside the valid range, {given} is held at the nearest end."
+        lines.append(Line(held, f"clamp({given}, {low}, {high})", comment))
     terms = Terms(sky.basis, names)
-    lines = list(terms.lines)
-    links = sky.distribution.links if sky.linked else ("identity",) * len(sky.distribution.names)
-    for letter, link, numbers in zip(
-        sky.distribution.names, links, exact(sky.numbers[k]), strict=True
-    ):
-        parts, free = terms.sum(letter, numbers)
-        lines += [*parts, Line(letter, linked(free, link))]
-    more, scale = scale_of_channel(sky.scale, k, name, names, swept)
-    lines += more
-    coefficients = ", ".join(sky.distribution.names)
-    value = f"{scale} * distribution({coefficients}, cos_view, gamma)"
-    if sky.distribution.relative:
-        value += f" / distribution({coefficients}, 1, sun_zenith)"
+    lines += terms.lines
+    letters = sky.distribution.names
+    links = sky.distribution.links if sky.linked else ("identity",) * len(letters)
+    for k, channel in enumerate(channels):
+        for letter, link, numbers in zip(letters, links, exact(sky.numbers[k]), strict=True):
+            name = f"{letter}_{channel}"
+            parts, free = terms.sum(name, numbers)
+            lines += [*parts, Line(name, linked(free, link))]
+        more, scale = scale_of_channel(sky.scale, k, channel, names, _held(swept))
+        lines += more
+        if sky.distribution.relative:
+            coefficients = ", ".join(f"{letter}_{channel}" for letter in letters)
+            scale += f" / distribution({coefficients}, 1, sun_zenith)"
+        lines.append(Line(f"scale_{channel}", scale))
+    fields = tuple(f"{name}_{channel}" for channel in channels for name in (*letters, "scale"))
+    return Function(
+        "frame_of_angle",
+        "What is the same for every direction under one sun, from its zenith angle [rad]:\n"
+        "coefficients of each channel, and its factor.",
+        ("sun_zenith", *swept),
+        needed(list(dict.fromkeys(lines)), " ".join(fields)),
+        "",
+        public=True,
+        returns_frame=True,
+        fields=fields,
+    )
+
+
+def _held(swept: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"held_{name}" for name in swept)
+
+
+def _value(sky: FormulaSky, channel: str) -> str:
+    """One channel in a frame."""
+    coefficients = ", ".join(f"frame.{letter}_{channel}" for letter in sky.distribution.names)
+    return f"frame.scale_{channel} * distribution({coefficients}, cos_view, gamma)"
+
+
+def _channel(sky: FormulaSky, channel: str, swept: tuple[str, ...]) -> Function:
+    """One channel under any sun."""
     spectral = sky.wavelengths is not None
     return Function(
-        name if spectral else f"channel_{name}",
-        "Spectral radiance [W/(m^2 sr nm)]." if spectral else f"{name} of the sky.",
+        channel if spectral else f"channel_{channel}",
+        "Spectral radiance [W/(m^2 sr nm)]." if spectral else f"{channel} of the sky.",
         ("cos_view", "gamma", "sun_zenith", *swept),
-        needed(lines, value),
-        value,
+        (_frame_line(swept),),
+        _value(sky, channel),
         public=spectral,
     )
 
 
-def _xyY_of_angles(sky: FormulaSky, names: tuple[str, ...], swept: tuple[str, ...]) -> Function:
+def _frame_line(swept: tuple[str, ...]) -> Line:
+    return Line(FRAME, f"frame_of_angle({', '.join(('sun_zenith', *swept))})")
+
+
+def _frame_xyY_of_angles(sky: FormulaSky, channels: tuple[str, ...]) -> Function:
     """The channels together, as chromaticity and luminance."""
-    lines = []
-    held = tuple(f"held_{name}" for name in swept)
-    for (_, ends), variable, kept in zip(sky.ranges, swept, held, strict=True):
-        low, high = map(number, ends)
-        comment = f"Outside the valid range, {variable} is held at the nearest end."
-        lines.append(Line(kept, f"clamp({variable}, {low}, {high})", comment))
-    prefix = "" if sky.wavelengths is not None else "channel_"
-    passed = ", ".join(("cos_view", "gamma", "sun_zenith", *held))
-    lines += [Line(f"value{k}", f"{prefix}{name}({passed})") for k, name in enumerate(names)]
-    values = [f"value{k}" for k in range(len(names))]
+    values = [f"value{k}" for k in range(len(channels))]
+    lines = [
+        Line(value, _value(sky, channel)) for value, channel in zip(values, channels, strict=True)
+    ]
     matrix = _to_xyz(sky)
     if matrix is None:
         result = f"vector({', '.join(values)})"
@@ -134,12 +172,25 @@ def _xyY_of_angles(sky: FormulaSky, names: tuple[str, ...], swept: tuple[str, ..
         lines += [Line(c, total) for c, total in zip("XYZ", sums, strict=True)]
         result = "xyz_to_xyY(vector(X, Y, Z))"
     return Function(
+        "frame_xyY_of_angles",
+        "Chromaticity x, y and luminance Y [cd/m^2] in a frame, from the cosine of the view's\n"
+        "zenith angle and the angle gamma between view and sun [rad].",
+        (FRAME, "cos_view", "gamma"),
+        tuple(lines),
+        result,
+        returns_vector=True,
+        public=True,
+    )
+
+
+def _xyY_of_angles(swept: tuple[str, ...]) -> Function:
+    return Function(
         "xyY_of_angles",
         "Chromaticity x, y and luminance Y [cd/m^2] from the cosine of the view's zenith angle,\n"
         "the angle gamma between view and sun, and the sun's zenith angle [rad].",
         ("cos_view", "gamma", "sun_zenith", *swept),
-        tuple(lines),
-        result,
+        (_frame_line(swept),),
+        "frame_xyY_of_angles(frame, cos_view, gamma)",
         returns_vector=True,
         public=True,
     )

@@ -2,7 +2,8 @@
 
 from ..colour import srgb_matrix
 from ..models.directions import arcsine_ratio
-from .description import Description, Function, Line, number, polynomial
+from .description import FRAME, Description, Function, Line, number, polynomial
+from .screen import ON_SCREEN, sun_functions
 
 
 def framed(description: Description, *, single: bool) -> tuple[Function, ...]:
@@ -14,7 +15,8 @@ def framed(description: Description, *, single: bool) -> tuple[Function, ...]:
     """
     half = _HALF_ANGLE_IN_SINGLE if single else _HALF_ANGLE
     before = (half, _ANGLE_BETWEEN, _GAMMA)
-    return (*before, *description.functions, _XYY_TO_XYZ, _XYZ_TO_RGB, *_views(description.swept))
+    colours = (_XYY_TO_XYZ, _XYZ_TO_RGB, *_views(description.swept))
+    return (*before, *description.functions, *colours, *sun_functions(), *ON_SCREEN)
 
 
 _SERIES = tuple(reversed(arcsine_ratio(6)))
@@ -80,31 +82,55 @@ _XYZ_TO_RGB = Function(
 
 
 def _views(swept: tuple[str, ...]) -> tuple[Function, ...]:
-    """The functions of direction and sun that a renderer calls."""
-    arguments = ("direction", "sun_direction", *swept)
-    passed = ", ".join(arguments)
+    """The functions of direction and sun that a renderer calls: with a frame, and at once."""
     more = "".join(f", {name}" for name in swept)
     # The sun's zenith angle by its chord to the zenith, like every angle here.
-    lines = (
-        Line("gamma", "angle_between(direction, sun_direction)"),
-        Line("sun_zenith", "angle_between(sun_direction, vector(0, 0, 1))"),
+    up = "angle_between(sun_direction, vector(0, 0, 1))"
+    vectors = ("direction", "sun_direction")
+    gamma = Line("gamma", "angle_between(direction, sun_direction)")
+    colours = (
+        ("xyY", "Chromaticity x, y and luminance Y [cd/m^2] of the sky in a direction"),
+        ("xyz", "CIE XYZ [cd/m^2] of the sky"),
+        ("rgb", "Linear sRGB of the sky, not clipped; D65 white of 1 cd/m^2 is (1, 1, 1)"),
+    )
+    in_frame = (
+        "frame_xyY_of_angles(frame, direction.z, gamma)",
+        "xyY_to_xyz(frame_xyY(frame, direction, sun_direction))",
+        "xyz_to_rgb(frame_xyz(frame, direction, sun_direction))",
     )
 
-    def view(name, doc, body, result):
+    def view(name, doc, arguments, body, result):
         return Function(name, doc, arguments, body, result, returns_vector=True, public=True)
 
+    frame = Function(
+        "frame_of",
+        "What is the same for every direction under one sun: make it once for a picture.",
+        ("sun_direction", *swept),
+        (),
+        f"frame_of_angle({up}{more})",
+        returns_frame=True,
+        public=True,
+    )
     return (
-        view(
-            "xyY",
-            "Chromaticity x, y and luminance Y [cd/m^2] of the sky in a direction.",
-            lines,
-            f"xyY_of_angles(direction.z, gamma, sun_zenith{more})",
+        frame,
+        *(
+            view(
+                f"frame_{name}",
+                f"{doc}, in a frame.",
+                (FRAME, *vectors),
+                (gamma,) if name == "xyY" else (),
+                result,
+            )
+            for (name, doc), result in zip(colours, in_frame, strict=True)
         ),
-        view("xyz", "CIE XYZ [cd/m^2] of the sky.", (), f"xyY_to_xyz(xyY({passed}))"),
-        view(
-            "rgb",
-            "Linear sRGB of the sky, not clipped; D65 white of 1 cd/m^2 is (1, 1, 1).",
-            (),
-            f"xyz_to_rgb(xyz({passed}))",
+        *(
+            view(
+                name,
+                f"{doc}.",
+                (*vectors, *swept),
+                (Line(FRAME, f"frame_of(sun_direction{more})"),),
+                f"frame_{name}(frame, direction, sun_direction)",
+            )
+            for name, doc in colours
         ),
     )

@@ -1,7 +1,12 @@
 """The languages that sky formulas are written in."""
 
-from .description import BUILT_IN, VECTORS, Function
+import re
+
+from .description import BUILT_IN, FRAME, VECTORS, Function
 from .dialect import AbstractDialect
+
+
+_GODOT_CONSTANTS = re.compile(r"\b(E|PI|TAU)\b")
 
 
 class Glsl(AbstractDialect):
@@ -9,31 +14,65 @@ class Glsl(AbstractDialect):
 
     single = True
     number_type, vector_type = "float", "vec3"
+    members_in_line = 6
+
+    def structure(self, fields: tuple[str, ...]) -> str:
+        """The type of a frame."""
+        return f"struct {self.prefix}_frame {{\n{self._members(fields)}\n}};"
+
+    def _members(self, fields: tuple[str, ...]) -> str:
+        count = self.members_in_line
+        rows = (fields[k : k + count] for k in range(0, len(fields), count))
+        return "\n".join(f"    {self.number_type} {', '.join(row)};" for row in rows)
+
+    def frame(self, fields: tuple[str, ...]) -> list[str]:
+        """The lines that return a frame of these numbers."""
+        set_ = (f"    {FRAME}.{name} = {name};" for name in fields)
+        return [f"    {self.declaration(FRAME)};", *set_, f"    return {FRAME};"]
 
     def signature(self, function: Function) -> str:
         """The line that begins a function."""
-        arguments = ", ".join(
-            f"{self._type(name in VECTORS)} {name}" for name in function.arguments
-        )
-        result = self._type(function.returns_vector)
+        arguments = ", ".join(f"{self._type_of(name)} {name}" for name in function.arguments)
+        result = self.vector_type if function.returns_vector else self.number_type
+        result = self._type_of(FRAME) if function.returns_frame else result
         return f"{result} {self.prefix}_{function.name}({arguments}) {{"
 
     def declaration(self, name: str) -> str:
         """The left side of the line that makes a number."""
-        return f"{self.number_type} {name}"
+        return f"{self._type_of(name)} {name}"
 
     def vector(self, parts: list[str]) -> str:
         """A vector of three expressions."""
         return f"{self.vector_type}({', '.join(parts)})"
 
-    def _type(self, vector: bool) -> str:
-        return self.vector_type if vector else self.number_type
+    def _type_of(self, name: str) -> str:
+        if name == FRAME:
+            return f"{self.prefix}_frame"
+        return self.vector_type if name in VECTORS else self.number_type
 
 
 class Hlsl(Glsl):
     """HLSL."""
 
     vector_type = "float3"
+
+
+class Godot(Glsl):
+    """Godot's shading language: some letters are constants, a member of a structure has a line."""
+
+    members_in_line = 1
+
+    def expression(self, text: str) -> str:
+        """An expression of the description in this language."""
+        return _GODOT_CONSTANTS.sub(r"\1_", super().expression(text))
+
+    def declaration(self, name: str) -> str:
+        """The left side of the line that makes a number."""
+        return _GODOT_CONSTANTS.sub(r"\1_", super().declaration(name))
+
+    def signature(self, function: Function) -> str:
+        """The line that begins a function."""
+        return _GODOT_CONSTANTS.sub(r"\1_", super().signature(function))
 
 
 class C(Glsl):
@@ -73,9 +112,13 @@ class C(Glsl):
             ]
         )
 
-    def closing(self, functions: tuple[Function, ...]) -> str:
+    def closing(self) -> str:
         """The end of the guard."""
         return "#endif"
+
+    def structure(self, fields: tuple[str, ...]) -> str:
+        """The type of a frame."""
+        return f"typedef struct {{\n{self._members(fields)}\n}} {self.prefix}_frame;"
 
     def signature(self, function: Function) -> str:
         """The line that begins a function."""
@@ -109,6 +152,10 @@ class JavaScript(AbstractDialect):
         """The left side of the line that makes a number."""
         return f"const {name}"
 
+    def frame(self, fields: tuple[str, ...]) -> list[str]:
+        """The line that returns a frame of these numbers."""
+        return [f"    return {{ {', '.join(fields)} }};"]
+
     def vector(self, parts: list[str]) -> str:
         """A vector of three expressions."""
         return f"[{', '.join(parts)}]"
@@ -137,9 +184,9 @@ class Python(AbstractDialect):
         """The module's docstring and its import."""
         return "\n".join(['"""', *heading, '"""', "", "import numpy as np"])
 
-    def file(self, heading: list[str], functions: tuple[Function, ...]) -> str:
-        """The whole file."""
-        return super().file(heading, functions).replace("\n\ndef ", "\n\n\ndef ")
+    def body(self, functions: tuple[Function, ...]) -> str:
+        """The functions, as far apart as Python's are."""
+        return "\n" + super().body(functions).replace("\n\ndef ", "\n\n\ndef ")
 
     def function(self, function: Function) -> str:
         """One function with its docstring."""
@@ -151,8 +198,17 @@ class Python(AbstractDialect):
             if name in VECTORS
         ]
         lines += [line for entry in function.body for line in self.line(entry)]
-        result = f"    return {self.expression(function.result)}"
-        return "\n".join([self.signature(function), f'{text}"""', *lines, result])
+        head = [self.signature(function), f'{text}"""']
+        return "\n".join([*head, *lines, *self.returned(function)])
+
+    def frame(self, fields: tuple[str, ...]) -> list[str]:
+        """The line that returns a frame of these numbers."""
+        entries = ", ".join(f'"{name}": {name}' for name in fields)
+        return [f"    return {{{entries}}}"]
+
+    def field(self, name: str) -> str:
+        """One number of a frame."""
+        return f'{FRAME}["{name}"]'
 
     def signature(self, function: Function) -> str:
         """The line that begins a function."""

@@ -26,6 +26,7 @@ technique template texture texture2D this thread_local throw transpose triangle 
 typeid typename typeof uint uint2 uint3 uint4 undefined uniform union unorm unsigned using uvec2
 uvec3 uvec4 var varying vec vec2 vec3 vec4 vector vertexfragment virtual void volatile while with
 writeonly yield np numpy
+bpy given mathutils sun towards uniforms zenith
 """
 RESERVED = frozenset(_RESERVED.split()) | frozenset((*keyword.kwlist, *keyword.softkwlist))
 

@@ -30,7 +30,7 @@ def scale_functions(scale: AbstractScale, swept: tuple[str, ...]) -> tuple[Funct
 def scale_of_channel(
     scale: AbstractScale, k: int, name: str, names: Mapping[str, str], swept: tuple[str, ...]
 ) -> tuple[list[Line], str]:
-    """Lines before, and the expression of, one channel's scale."""
+    """Lines before, and the expression of, a channel's scale; their names end in the channel's."""
     if isinstance(scale, PaperZenith):
         day = Line(
             "day",
@@ -44,19 +44,20 @@ def scale_of_channel(
         return [day, night], f"night * {value}"
     assert isinstance(scale, LogScale)
     terms = Terms(scale.basis, names, "scale_")
-    parts, logarithm = terms.sum("scale", exact(scale.numbers[k]))
-    lines = [*terms.lines, *parts, Line("logarithm", logarithm), _fall(scale, k)]
-    return lines, "exp(logarithm - fall)"
+    parts, logarithm = terms.sum(f"scale_{name}", exact(scale.numbers[k]))
+    whole, fall = f"logarithm_{name}", f"fall_{name}"
+    lines = [*terms.lines, *parts, Line(whole, logarithm), Line(fall, _fall(scale, k))]
+    return lines, f"exp({whole} - {fall})"
 
 
-def _fall(scale: LogScale, k: int) -> Line:
+def _fall(scale: LogScale, k: int) -> str:
     """How much a low or set sun takes off the logarithm of the scale."""
     rate, lowest = float(exact(scale.dimming[k])), number(scale.lowest_sun)
     low = f"{number(rate)} * max(min(sun_zenith, {_HALF_PI}) - {lowest}, 0)" if rate else "0"
     if not scale.night[k]:
-        return Line("fall", low)
+        return low
     night = f"{number(TWILIGHT_DECAY)} * max(sun_zenith - {_HALF_PI}, 0)"
-    return Line("fall", f"{low} + {night}" if rate else night)
+    return f"{low} + {night}" if rate else night
 
 
 def _zenith_chromaticity(

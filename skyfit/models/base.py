@@ -2,8 +2,9 @@
 
 One policy holds for all fitted formulas:
 
-- a view below the horizon sees the horizon's brightness: the gradation towards the horizon is held
-  at its limit, while the angle to the sun stays the true one, so that nothing jumps;
+- a view below the horizon goes on with the sky: the gradation towards the horizon is held at its
+  limit, while the angle to the sun stays the true one, so that nothing jumps; it is no ground, and
+  as bright as the horizon only at the horizon;
 - a sun below the horizon leaves the zenith the colour it has at sunset, and dims it by a decade
   for every 2.5° (measured twilight falls from about 600 lx at sunset to 3 lx at -6°);
 - luminance is never negative: where a formula's zenith luminance is, the sky is black;

@@ -1,5 +1,6 @@
 """From a file, or from none, to what a picture can show."""
 
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 
@@ -9,14 +10,14 @@ from ..campaign.file import load_campaign
 from ..dataset import SUFFIXES, load_dataset
 from ..dataset.measurements import cornell_skies
 from ..errors import InputError
-from ..fitting import load_fit
+from ..fitting import SkyFit, load_fit, paper_refit
 from ..models import preetham_sky
 from .recorded import RecordedSource, select_sky
 from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
 
 
-MEASURED = "cornell"
+MEASURED, PUBLISHED, REFIT = "cornell", "published", "refit"
 
 
 def load_source(
@@ -24,17 +25,20 @@ def load_source(
     turbidity: float | None = None,
     sun_zenith: float | None = None,
     observer_altitude: float = 0.0,
+    parameters: Mapping[str, float] | None = None,
 ) -> AbstractSource:
     """The sky of a file, the published model, or a measured sky.
 
     Args:
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
-            .nc), "cornell" for the measured skies; None for the published model.
+            .nc), "cornell" for the measured skies, "refit" for the paper's formula fitted to its
+            campaign; None or "published" for the published model.
         turbidity: Turbidity of the published model, of a fit or campaign or dataset that has
             several (or the value of what else it sweeps), and of the air before the sun where the
             sky does not know it.
         sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
+        parameters: Values of what a fit was made for, by name; the turbidity may be among them.
 
     Raises:
         FileNotFoundError: There is no such file.
@@ -46,41 +50,52 @@ def load_source(
             f"{path or 'the published model'}: only simulated skies (.toml) can be seen from an "
             f"altitude; got {observer_altitude:g} m"
         )
-    if path is None:
-        value = _needed(turbidity, "the published model")
+    words, given = str(path), dict(parameters or {})
+    if turbidity is not None and "turbidity" in given:
+        raise InputError(f"{path or 'the published model'}: expected one turbidity; got two")
+    if path is None or words == PUBLISHED:
+        value = _needed(given.pop("turbidity", turbidity), "the published model")
+        _refuse(given, "the published model", ["turbidity"])
         name = f"Preetham, Shirley & Smits (1999), turbidity {value:g}"
         return ModelSource(preetham_sky(value), value, name)
-    if path.suffix == ".json":
-        return _fitted(path, turbidity)
+    if words == REFIT or path.suffix == ".json":
+        fit = paper_refit() if words == REFIT else load_fit(path)
+        return _fitted(fit, path, turbidity, given)
+    _refuse(given, words, [])
     if path.suffix == ".toml":
         return _simulated(path, turbidity, observer_altitude)
     if path.suffix in SUFFIXES:
         sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
         return RecordedSource(sky, path.name, turbidity)
-    if str(path) == MEASURED:
+    if words == MEASURED:
         sky = select_sky(cornell_skies(), MEASURED, None, sun_zenith)
         minutes = int(sky["local_time"])
         name = f"Ithaca, 2013-05-27 {minutes // 60:02d}:{minutes % 60:02d}"
         return RecordedSource(sky, f"{name}, measured by Kider et al. (2014)", turbidity)
     raise InputError(
-        f"{path}: expected a fit (.json), a campaign (.toml), a dataset (.zarr, .nc) or {MEASURED}"
+        f"{path}: expected a fit (.json), a campaign (.toml), a dataset (.zarr, .nc), {PUBLISHED}, "
+        f"{REFIT} or {MEASURED}"
     )
 
 
-def _fitted(path: Path, turbidity: float | None) -> ModelSource:
-    fit = load_fit(path)
-    if len(fit.swept) > 1:
+def _fitted(
+    fit: SkyFit, path: Path, turbidity: float | None, given: dict[str, float]
+) -> ModelSource:
+    names = list(fit.swept)
+    _refuse({name: value for name, value in given.items() if name not in names}, str(path), names)
+    values, haze = dict(given), turbidity
+    if "turbidity" in names and turbidity is not None:
+        values.setdefault("turbidity", turbidity)
+    elif len(names) == 1 and names[0] not in values:
+        # The value of what else is swept; then nothing is known of the air before the sun.
+        values[names[0]], haze = _needed(turbidity, str(path), names[0]), None
+    if missing := [name for name in names if name not in values]:
+        ours = ", ".join(f"{name}=VALUE" for name in missing)
         raise InputError(
-            f"{path}: a fit over {', '.join(fit.swept)}; expected one parameter, or none"
+            f"{path}: a fit over {', '.join(names)}; expected {ours} (--set, parameters=...)"
         )
-    if fit.parameter_name == "turbidity":
-        value = _needed(turbidity, str(path))
-        name = f"{path.name}, turbidity {value:g}"
-        return ModelSource(fit.sky(turbidity=value), value, name)
-    if (name := fit.parameter_name) is not None:
-        value = _needed(turbidity, str(path), name)
-        return ModelSource(fit.sky(**{name: value}), None, f"{path.name}, {name} {value:g}")
-    return ModelSource(fit.sky(), turbidity, path.name)
+    told = "".join(f", {name} {values[name]:g}" for name in names)
+    return ModelSource(fit.sky(**values), values.get("turbidity", haze), f"{path.name}{told}")
 
 
 def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSource:
@@ -103,6 +118,15 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
         campaign.build_atmosphere(value), name, campaign.orders, campaign.quality,
         altitude or campaign.observer_altitude_at(value),
     )  # fmt: skip
+
+
+def _refuse(unknown: Mapping[str, float], what: str, names: list[str]) -> None:
+    """Refuse values of parameters that are not a sky's."""
+    if unknown:
+        ours = f"values of {', '.join(names)} alone" if names else "no parameters"
+        raise InputError(
+            f"{what}: expected {ours} (--set, parameters=...); got {', '.join(unknown)}"
+        )
 
 
 def _needed(value: float | None, what: str, name: str = "turbidity") -> float:
