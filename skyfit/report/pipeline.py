@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 from dataclasses import asdict
 from datetime import UTC, datetime
 from os import PathLike
@@ -74,7 +75,9 @@ def reproduce(
         dataset = run_campaign(plan, tell, workers=workers)
     with clock.stage("fit"):
         tell("fitting", 0, 2)
-        fit = fit_sky(dataset)
+        with warnings.catch_warnings(record=True) as warned:  # said in the report
+            warnings.simplefilter("always")
+            fit = fit_sky(dataset)
         tell("fitting", 1, 2)
         tristimulus = tristimulus_comparison(dataset, fit)
         shapes = _shape_errors(dataset, fit)
@@ -111,7 +114,7 @@ def reproduce(
             **_zenith_differences(dataset),
             "cornell": reality.record(),
             "simplifications": shortcuts,
-            "fit": _fit_record(fit),
+            "fit": _fit_record(fit) | {"warnings": [str(one.message) for one in warned]},
             "campaign": plan.to_dict(),
             "versions": versions(),
             "made": {

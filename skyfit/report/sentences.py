@@ -82,8 +82,8 @@ def _fit_notes(fit: dict[str, Any]) -> str:
         rms = ", ".join(f"{name} {percent(value)}" for name, value in fit["two_stage_rms"].items())
         text += f". Fitted turbidity by turbidity with a line drawn through afterwards: {rms} RMS"
     return (
-        f"{text}. Standard errors treat the misfit in each direction as independent, which it is "
-        "not: true uncertainties are larger."
+        f"{'. '.join([text, *fit['warnings']])}. Standard errors treat the misfit in each "
+        "direction as independent, which it is not: true uncertainties are larger."
     )
 
 
