@@ -10,6 +10,7 @@ from peers import peer
 from skyfit.models import all_weather, levels, perez_all_weather_sky, perez_clear_sky
 from skyfit.sun import Irradiance, clear_sky_irradiance
 from skyfit.sun.light import air_mass
+from skyfit.surfaces import plane_light, sky_dome
 
 
 pytestmark = pytest.mark.any_precision
@@ -75,6 +76,35 @@ def test_the_ground_gets_the_skys_irradiance_times_its_efficacy():
     np.testing.assert_allclose(ground, 120 * by_hand, rtol=1e-4)
 
 
+@pytest.mark.parametrize("elevation", [50, 55, 40, 35])
+def test_a_dome_cut_off_at_black_gives_the_ground_its_light(elevation):
+    zenith = np.radians(90.0 - elevation)
+    # Perez et al. (1990), rows 2.8 to 4.5 of equation 7, Δ = m D / 1367 with Kasten's air mass.
+    mass = 1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
+    want = 106.42 + 2 * 3.83 - 36.15 * np.cos(zenith) - 28.83 * np.log(mass * 38 / 1367)
+    dome = sky_dome(perez_all_weather_sky(150.0, 38.0), zenith)
+    assert dome.light.min() >= 0
+    np.testing.assert_allclose(plane_light(dome).sky[1], 38 * want, rtol=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("direct", "diffuse", "light"),
+    [(0.0, 0.0, 0.0), (-1.0, -1.0, 0.0), (np.nan, 50.0, np.nan), (50.0, np.nan, np.nan)],
+)
+def test_night_offsets_and_gaps_leave_the_rest_of_a_year_alone(direct, diffuse, light):
+    year = perez_all_weather_sky([direct, 100.0], [diffuse, 50.0])
+    got = year.xyY([1.2, 0.5], 0.3, 0.0)[:, 2]
+    np.testing.assert_array_equal(got[0], light)
+    np.testing.assert_allclose(got[1], perez_all_weather_sky(100.0, 50.0).xyY(0.5, 0.3, 0.0)[2])
+
+
+# About 600 lx at sunset, and 3 lx six degrees below, as measured: `skyfit.models.base`.
+@pytest.mark.parametrize(("degrees", "light"), [(90.0, 600.0), (96.0, 600 * 10 ** (-6 / 2.5))])
+def test_a_clear_sky_is_lit_at_sunset(degrees, light):
+    ground = plane_light(sky_dome(perez_clear_sky(3.0), np.radians(degrees))).sky[1]
+    np.testing.assert_allclose(ground, light, rtol=3e-3)
+
+
 def test_coefficients_without_direct_light_are_those_of_an_overcast_sky():
     _, clearness, _ = conditions(30, 0, 150)
     assert clearness == 1
@@ -114,9 +144,8 @@ def test_the_clear_all_weather_sky_is_the_one_of_its_irradiance():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((-1.0, 100.0), r"direct_normal=...\) must lie in 0 to 1367 W/m²; got -1"),
-        ((100.0, 0.0), r"diffuse_horizontal=...\) must be above 0, to 1367 W/m²; got 0"),
-        ((np.nan, 100.0), "must lie in 0 to 1367 W/m²; got nan"),
+        ((-99.0, 100.0), r"direct_normal=...\) must lie in 0 to 1367 W/m².*; got -99"),
+        ((100.0, 9999.0), r"diffuse_horizontal=...\) must lie in 0 to 1367 W/m².*; got 9999"),
     ],
 )
 def test_mistakes_are_named(arguments, message):

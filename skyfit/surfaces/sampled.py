@@ -5,6 +5,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from .._typing import ArrayLike, as_float, as_scalar
+from ..angles import as_azimuth, as_zenith
 from ..errors import InputError
 from .dome import AZIMUTHS, ZENITHS, Dome, dome_grid
 
@@ -40,7 +41,8 @@ def sampled_dome(
     Raises:
         InputError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
     """
-    sun = as_scalar(sun_zenith, "sampled_dome(sun_zenith=...)")
+    sun = as_zenith(as_scalar(sun_zenith, "sampled_dome(sun_zenith=...)"), "sampled_dome(sun_zenith=...)")
+    as_azimuth(relative_azimuth, "sampled_dome(relative_azimuth=...)")
     view, azimuth = (np.asarray(a, float) for a in (view_zenith, relative_azimuth))
     values = as_float(light)
     if view.ndim != 1 or view.shape != azimuth.shape or values.shape[:1] != view.shape:
