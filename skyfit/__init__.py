@@ -90,8 +90,10 @@ if TYPE_CHECKING:
     )
     from .sun import (
         clear_sky_irradiance as clear_sky_irradiance,
+        sun_at as sun_at,
         sun_irradiance as sun_irradiance,
         sun_position as sun_position,
+        sun_table as sun_table,
         sun_xyY as sun_xyY,
         sunlight as sunlight,
     )
@@ -139,7 +141,15 @@ _NAMES = {
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
     "retrieval": ("AerosolFit", "Sensitivity", "coefficient_sensitivity", "fit_aerosol"),
-    "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
+    "sun": (
+        "clear_sky_irradiance",
+        "sun_at",
+        "sun_irradiance",
+        "sun_position",
+        "sun_table",
+        "sun_xyY",
+        "sunlight",
+    ),
     "transfer.simulate_sky": ("simulate",),
     "transfer.trust": ("AccuracyWarning",),
 }

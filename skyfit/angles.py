@@ -65,6 +65,26 @@ def as_sight(
     )
 
 
+def compass_azimuth(azimuth: ArrayLike) -> Float[Array, "..."]:
+    """Compass azimuth, 0 north and π/2 east, of one counted from the south westward, in [0, 2π).
+
+    Args:
+        azimuth: As `skyfit.sun_position` and Preetham et al. (1999) count it [rad].
+    """
+    turned = jnp.mod(as_azimuth(azimuth, "compass_azimuth(azimuth=...)") + jnp.pi, 2 * jnp.pi)
+    return jnp.where(turned < 2 * jnp.pi, turned, 0.0)  # a rounding error below 0 comes out as 2π
+
+
+def azimuth_from_south(compass: ArrayLike) -> Float[Array, "..."]:
+    """Azimuth from the south westward, in (-π, π]; the inverse of `compass_azimuth`.
+
+    Args:
+        compass: Azimuth of the compass, 0 north and π/2 east [rad].
+    """
+    angle = as_azimuth(compass, "azimuth_from_south(compass=...)")
+    return jnp.pi - jnp.mod(-angle, 2 * jnp.pi)
+
+
 def _within(value, argument, low, high, words):
     angle = as_float(value)
     if is_traced(angle):

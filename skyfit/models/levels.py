@@ -88,7 +88,7 @@ class ByIlluminance(AbstractLevel):
 def on_the_ground(
     distribution: AbstractLuminanceForm, sun_zenith: Float[Array, "..."], parameters: Parameters
 ) -> Float[Array, "..."]:
-    """Integral over the upper hemisphere of a distribution, cut off at 0 as skies are, times cos θ."""
+    """Integral of a distribution, cut off at 0 as skies are, times cos θ over the hemisphere."""
     # cos θ dω is half of d(cos²θ) dφ; the two halves of the sky are alike.
     x, w = np.polynomial.legendre.leggauss(ZENITH_NODES)
     cosines = jnp.asarray(np.sqrt(0.5 + 0.5 * x), sun_zenith.dtype)

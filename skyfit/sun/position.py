@@ -61,7 +61,8 @@ def sun_position(
         taken as 0.
 
     Raises:
-        InputError: A latitude, longitude or day out of range; an unknown method; a year missing or not used.
+        InputError: A latitude, longitude or day out of range; an unknown method; a year missing or
+            not used.
     """
     if method not in METHODS:
         raise InputError(f"sun_position(method=...): expected one of {METHODS}; got {method!r}")

@@ -41,7 +41,8 @@ def sampled_dome(
     Raises:
         InputError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
     """
-    sun = as_zenith(as_scalar(sun_zenith, "sampled_dome(sun_zenith=...)"), "sampled_dome(sun_zenith=...)")
+    argument = "sampled_dome(sun_zenith=...)"
+    sun = as_zenith(as_scalar(sun_zenith, argument), argument)
     as_azimuth(relative_azimuth, "sampled_dome(relative_azimuth=...)")
     view, azimuth = (np.asarray(a, float) for a in (view_zenith, relative_azimuth))
     values = as_float(light)
