@@ -10,6 +10,7 @@ import skyfit
 
 from .options import as_json
 from .output import print_json
+from .place import in_degrees
 
 
 @click.command()
@@ -17,6 +18,7 @@ from .output import print_json
     "--sun-zenith-deg",
     type=click.FloatRange(0, 180),
     required=True,
+    callback=in_degrees,
     help="Zenith angle of the sun, in degrees.",
 )
 @click.option("--turbidity", type=click.FloatRange(min=1), required=True, help="1 or more.")
