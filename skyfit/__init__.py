@@ -99,6 +99,7 @@ if TYPE_CHECKING:
     )
     from .transfer.simulate_sky import simulate as simulate
     from .transfer.trust import AccuracyWarning as AccuracyWarning
+    from .weather import read_weather as read_weather, weather_table as weather_table
 
 _MODULES = ("angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity")
 _NAMES = {
@@ -152,6 +153,7 @@ _NAMES = {
     ),
     "transfer.simulate_sky": ("simulate",),
     "transfer.trust": ("AccuracyWarning",),
+    "weather": ("read_weather", "weather_table"),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names}
 

@@ -60,6 +60,7 @@ PUBLIC = {
     "positivity",
     "preetham_atmosphere",
     "preetham_sky",
+    "read_weather",
     "recovery_error",
     "reproduce",
     "run_benchmarks",
@@ -78,6 +79,7 @@ PUBLIC = {
     "sunlight",
     "ward_larson_aerial",
     "water_vapour",
+    "weather_table",
 }
 MODULES = {"angles", "marcher", "phase", "plots", "profile", "render", "surfaces", "turbidity"}
 

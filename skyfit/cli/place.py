@@ -48,13 +48,14 @@ def sun_of_still(options: dict[str, Any]) -> tuple[float, float] | None:
     if latitude is None or at is None or (day is None) == (longitude is None):
         raise click.UsageError(STILL)
     north = np.radians(latitude)
-    if day is None:
+    if longitude is not None:
         try:
-            sun = skyfit.sun_at(at, north, np.radians(longitude))
+            sun = skyfit.sun_at(at, north, np.radians(options["longitude_deg"]))
         except skyfit.InputError as error:
             raise click.UsageError(f"--time: {str(error).removeprefix('times: ')}") from None
     else:
-        sun = skyfit.sun_position(north, 0.0, day, _clock(at) - _ahead(day), 0.0)
+        clock = _clock(at) - _ahead(options["day_of_year"])
+        sun = skyfit.sun_position(north, 0.0, options["day_of_year"], clock, 0.0)
     return float(sun.zenith), float(compass_azimuth(sun.azimuth))
 
 
