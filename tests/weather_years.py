@@ -43,7 +43,8 @@ def irradiance(year, days):
     top = pvlib.irradiance.get_extra_radiation(days, solar_constant=1367.0, method="spencer")
     mass = pvlib.atmosphere.get_relative_airmass(sun["zenith"], "kasten1966").fillna(0.0)
     depth = pvlib.clearsky.bird(sun["zenith"], mass, 0.1, 0.08, 2.0, dni_extra=top)
-    direct, diffuse = depth["dni"].fillna(0.0), depth["dhi"].fillna(0.0)
+    up = sun["zenith"] < 90
+    direct, diffuse = (depth[name].where(up, 0.0).fillna(0.0) for name in ("dni", "dhi"))
     if year.overcast:
         direct, diffuse = 0 * direct, 0.3 * depth["ghi"].fillna(0.0)
     table = pd.DataFrame({"dni": direct.round(1), "dhi": diffuse.round(1)}, index)
