@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from .campaign.file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
+    from .dataset.aeronet import aeronet_aerosol as aeronet_aerosol, read_aeronet as read_aeronet
     from .dataset.measurements import cornell_skies as cornell_skies
     from .dataset.runner import run_campaign as run_campaign
     from .errors import InputError as InputError
@@ -118,6 +119,7 @@ _NAMES = {
     "campaign.file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
+    "dataset.aeronet": ("aeronet_aerosol", "read_aeronet"),
     "dataset.measurements": ("cornell_skies",),
     "dataset.runner": ("run_campaign",),
     "errors": ("InputError",),

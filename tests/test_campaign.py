@@ -246,7 +246,7 @@ DEEP = "optical_depth = 0.1\n"
          "constituents.haze.visibility_m: expected at most .* gases alone; got 900000"),
         (AIR + '[ground]\nalbedo = {csv = "none.csv", column = "a"}', "none.csv: No such file"),
         (AIR + "[ground]\nalbedo = {wavelength_nm = [400, 500], value = [0.1]}", "many value as"),
-        (AIR + "[ground]\nalbedo = {wavelength_nm = [500, 400], value = [0, 1]}", "500 before 400"),
+        (AIR + "[ground]\nalbedo = {wavelength_nm = [500, 500], value = [0, 1]}", "500 before 500"),
         (AIR + "[ground]\nalbedo = {nm = [500, 400], value = [0, 1]}", "keys wavelength_nm and"),
         (AIR + "depolarised = 1", r"constituents\[0\].depolarised: expected a boolean; got 1"),
         (AIR + '[[constituents]]\nname = "o"\nkind = "ozone"\ndobson_units=3\ncross_section="x"',

@@ -260,7 +260,7 @@ def _residuals(free, case: _Case):
 
 def _scale(case: _Case):
     """Root mean square of the measured radiance."""
-    return jnp.sqrt(jnp.sum(case.measured**2) / jnp.sum(case.seen))
+    return jnp.sqrt(jnp.mean(case.measured**2, where=case.seen))
 
 
 class _Solution(NamedTuple):
