@@ -44,7 +44,10 @@ if TYPE_CHECKING:
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
     from .dataset.aeronet import aeronet_aerosol as aeronet_aerosol, read_aeronet as read_aeronet
-    from .dataset.measurements import cornell_skies as cornell_skies
+    from .dataset.measurements import (
+        cornell_skies as cornell_skies,
+        read_sky_scanner as read_sky_scanner,
+    )
     from .dataset.runner import run_campaign as run_campaign
     from .errors import InputError as InputError
     from .export import export_fit as export_fit
@@ -120,7 +123,7 @@ _NAMES = {
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
     "dataset.aeronet": ("aeronet_aerosol", "read_aeronet"),
-    "dataset.measurements": ("cornell_skies",),
+    "dataset.measurements": ("cornell_skies", "read_sky_scanner"),
     "dataset.runner": ("run_campaign",),
     "errors": ("InputError",),
     "export": ("export_fit",),

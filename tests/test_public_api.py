@@ -62,6 +62,7 @@ PUBLIC = {
     "preetham_atmosphere",
     "preetham_sky",
     "read_aeronet",
+    "read_sky_scanner",
     "read_weather",
     "recovery_error",
     "reproduce",
