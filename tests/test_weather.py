@@ -54,7 +54,7 @@ def test_the_dome_of_every_hour_by_day_has_the_light_of_its_irradiance(year):
     sun = table["sun_zenith"].to_numpy()[:, None, None]
     light = np.asarray(sky.xyY(sun, zenith[:, None], azimuth[None])[..., 2])
     ground = np.einsum("rza,z->r", light, np.cos(zenith) * solid_angle)
-    np.testing.assert_allclose(ground, table["diffuse_illuminance"], rtol=0.01, atol=1e-6)
+    np.testing.assert_allclose(ground, table["diffuse_illuminance"], rtol=1e-3, atol=1e-6)
     # 80 to 170 lm/W is what the sky's light has; Perez et al. (1990), table 4.
     bright = (rows["dhi"] > 30) & (rows["zenith"] < np.radians(85))
     efficacy = (ground / rows["dhi"])[bright]
