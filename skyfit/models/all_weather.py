@@ -35,6 +35,9 @@ SUNSET_ILLUMINANCE = 600.0  # lx
 LARGEST_OFFSET = 30.0  # W m^-2
 # Between these clearnesses Δ counts as 0.2 at least: the authors' advice, against odd shapes.
 HESITANT_CLEARNESS, LEAST_BRIGHTNESS = (1.065, 2.8), 0.2
+# Between these it counts as that times cos Z at least: below, the fit is negative over most of a
+# dome under a high sun, and all the light comes from a spot.
+BROKEN_CLEARNESS, LEAST_UNDER_ZENITH = (2.8, 4.5), 0.1
 
 
 class AbstractWeather(eqx.Module):
@@ -212,7 +215,9 @@ def all_weather_coefficients(
     """
     low, high = HESITANT_CLEARNESS
     hesitant = (clearness > low) & (clearness < high)
-    delta = jnp.where(hesitant, jnp.maximum(brightness, LEAST_BRIGHTNESS), brightness)
+    broken = (clearness >= BROKEN_CLEARNESS[0]) & (clearness < BROKEN_CLEARNESS[1])
+    under_sun = jnp.where(broken, LEAST_UNDER_ZENITH * jnp.cos(sun_zenith), 0.0)
+    delta = jnp.maximum(brightness, jnp.where(hesitant, LEAST_BRIGHTNESS, under_sun))
     rows = _chosen("perez1993_sky_luminance", clearness)
     z, k = sun_zenith, rows.reshape(5, 4, *rows.shape[1:])
     a, b, c, d, e = (row[0] + row[1] * z + delta * (row[2] + row[3] * z) for row in k)
