@@ -90,6 +90,7 @@ def test_gradients_agree_with_differences(function):
 
 OVERCAST = skyfit.cie_overcast_sky()
 DOME = skyfit.surfaces.sky_dome(OVERCAST, 0.5, zeniths=2, azimuths=4)
+SHOWN = skyfit.render.ModelSource(OVERCAST, None, "overcast")
 IN_DEGREES = {
     "formula": lambda: skyfit.preetham_sky(3.0).xyY(45.0, 0.5, 0.0),
     "formula, view": lambda: skyfit.preetham_sky(3.0).xyY(0.8, [0.5, 30.0], 0.0),
@@ -112,6 +113,17 @@ IN_DEGREES = {
     "aerial": lambda: skyfit.ward_larson_aerial(3.0, OVERCAST, 0.8).transmittance(1e3, 90.0),
     "simulate": lambda: skyfit.simulate(skyfit.preetham_atmosphere(2.0), 0.8, 0.5, 90.0),
     "camera": lambda: skyfit.render.Panorama(centre=90.0),
+    "ground": lambda: skyfit.render.horizontal_irradiance(SHOWN, 45.0, 1.0),
+    "terrain": lambda: skyfit.render.render_terrain(
+        SHOWN,
+        skyfit.render.sample_elevation(),
+        skyfit.render.Perspective(8, 8),
+        (9.0, 9.0),
+        0.8,
+        135.0,
+        None,
+    ),
+    "judging": lambda: skyfit.shape_error(OVERCAST, OVERCAST, max_view_zenith=80.0),
 }
 
 

@@ -105,7 +105,11 @@ def test_a_half_dome_runs_through_the_azimuths_of_each_ring_in_turn():
         ),
         (
             {"view_zenith": [1.0], "relative_azimuth": [np.inf]},
-            "relative_azimuth=.* finite values; got inf",
+            "relative_azimuth=.* finite values within .*12.5664.; got inf",
+        ),
+        (
+            {"view_zenith": [1.0], "relative_azimuth": [90.0]},
+            "relative_azimuth=.* finite values within .*12.5664.; got 90",
         ),
         ({"orders": 0}, "orders=.* expected 1 or more, or None; got 0"),
         ({"observer_altitude": -1.0}, "observer_altitude=.* expected 0 m or more; got -1.0"),
