@@ -70,6 +70,13 @@ def test_products_of_several_files_are_one_record(inversion, tmp_path):
     np.testing.assert_array_equal(apart["phase_function"], inversion["phase_function"])
 
 
+def test_direct_sun_measurements_are_read_and_their_empty_channels_left_out(tmp_path):
+    columns = {"AOD_1640nm": -999.0, "AOD_870nm": 0.1, "AOD_500nm": 0.2}
+    found = skyfit.read_aeronet(write(tmp_path / "a.lev15", columns))["direct_sun_optical_depth"]
+    np.testing.assert_array_equal(found["wavelength"], [500, 870])
+    np.testing.assert_array_equal(found[0], [0.2, 0.1])
+
+
 def test_its_aerosol_scatters_as_measured(inversion):
     lam = [440.0, 557.5, 675.0]
     haze = skyfit.aeronet_aerosol(inversion.isel(time=1), lam)

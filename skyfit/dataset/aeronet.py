@@ -23,6 +23,7 @@ MISSING = -999.0
 _SPECTRA = {
     "single_scattering_albedo": r"Single_Scattering_Albedo\[([\d.]+)nm\]",
     "optical_depth": r"AOD_Extinction-Total\[([\d.]+)nm\]",
+    "direct_sun_optical_depth": r"AOD_([\d.]+)nm",
     "asymmetry": r"Asymmetry_Factor-Total\[([\d.]+)nm\]",
     "refractive_index": r"Refractive_Index-Real_Part\[([\d.]+)nm\]",
     "absorption_index": r"Refractive_Index-Imaginary_Part\[([\d.]+)nm\]",
@@ -43,13 +44,14 @@ def read_aeronet(*paths: str | PathLike[str]) -> xr.Dataset:
 
     Args:
         paths: Files of one site: all products in one (.all), or one each (.pfn, .siz, .ssa, .aod,
-            .asy, .rin), whatever their ending; what is in a file is told by its columns.
+            .asy, .rin), whatever their ending; what is in a file is told by its columns. Direct
+            sun measurements (.lev15, .lev20) as well.
 
     Returns:
         What the files have of `phase_function` over time, wavelength and scattering angle;
         `size_distribution` over time and radius; `single_scattering_albedo`, `optical_depth`,
-        `asymmetry`, `refractive_index` and `absorption_index` over time and wavelength. NaN where a
-        file has none.
+        `direct_sun_optical_depth`, `asymmetry`, `refractive_index` and `absorption_index` over time
+        and wavelength. NaN where a file has none.
 
     Raises:
         FileNotFoundError: There is no such file.
@@ -94,7 +96,8 @@ def _read(path: Path) -> xr.Dataset:
         keys, values = table(pattern)
         if keys.size:
             axes = {"time": times, "wavelength": keys[:, 0]}
-            found[name] = xr.DataArray(values, axes, tuple(axes)).sortby("wavelength")
+            array = xr.DataArray(values, axes, tuple(axes)).sortby("wavelength")
+            found[name] = array.dropna("wavelength", how="all")
     keys, values = table(_SIZE)
     if keys.size:
         axes = {"time": times, "radius": keys[:, 0]}
