@@ -121,9 +121,9 @@ def weather_table(
 ) -> "pd.DataFrame":
     """The sun and the light of the sky for every row of a table of irradiance.
 
-    Offsets of instruments, down to -30 W/m², count as 0. A row without diffuse light is dark; where
-    an irradiance is NaN, or cannot be one, so is what follows from it, and a warning says how many
-    of the latter there were.
+    Offsets of instruments, down to -30 W/m², count as 0. A row without diffuse light is dark, and
+    one whose sun has set dims as the sky models do. Where an irradiance is NaN, or cannot be one,
+    so is what follows from it, and a warning says how many of the latter there were.
 
     Args:
         weather: As `read_weather` returns it; or any with times in its index and columns

@@ -65,16 +65,16 @@ def _read_hdr(data: bytes) -> Light:
     head, _, rest = data.partition(b"\n\n")
     lines = head.decode("latin-1").splitlines()
     if not lines or not lines[0].startswith("#?"):
-        raise ValueError("it does not begin with #?")
+        raise InputError("it does not begin with #?")
     known = [line.split("=", 1) for line in lines if "=" in line and not line.startswith("#")]
     formats = [value.strip() for name, value in known if name.strip() == "FORMAT"]
     if formats and formats[-1] != "32-bit_rle_rgbe":
-        raise ValueError(f"its format is {formats[-1]}, not 32-bit_rle_rgbe")
+        raise InputError(f"its format is {formats[-1]}, not 32-bit_rle_rgbe")
     exposure = np.prod([float(value) for name, value in known if name.strip() == "EXPOSURE"])
     size, _, body = rest.partition(b"\n")
     words = size.decode("latin-1").split()
     if len(words) != 4 or (words[0], words[2]) != ("-Y", "+X"):
-        raise ValueError(f"its size is {size[:40]!r}, not like -Y 512 +X 512")
+        raise InputError(f"its size is {size[:40]!r}, not like -Y 512 +X 512")
     rows, columns = int(words[1]), int(words[3])
     pixels = np.frombuffer(_unpacked(body, rows, columns), np.uint8)
     rgbe = pixels.reshape(rows, columns, 4).astype(float)
@@ -88,12 +88,12 @@ def _unpacked(body: bytes, rows: int, columns: int) -> bytes:
     flat = 4 * rows * columns
     if columns < 8 or columns > 32767 or body[:2] != b"\x02\x02":
         if len(body) < flat:
-            raise ValueError(f"it has {len(body)} bytes of {flat}")
+            raise InputError(f"it has {len(body)} bytes of {flat}")
         return body[:flat]
     found, at = bytearray(), 0
     for _ in range(rows):
         if body[at : at + 2] != b"\x02\x02":
-            raise ValueError("its scan lines are packed in an older way")
+            raise InputError("its scan lines are packed in an older way")
         at += 4
         line = bytearray()
         while len(line) < 4 * columns:

@@ -49,8 +49,8 @@ class RecordedSource(AbstractSource):
             sky = sky.isel(direction=np.flatnonzero(sky["reliable"].values))
         parts = [sky[needed].values for needed in _NEEDED[:-1]]
         known = ~np.isnan(parts).any(axis=0)
-        if known.sum() < 4:
-            raise InputError(f"{name}: expected 4 directions or more; got {known.sum()}")
+        if not known.any():
+            raise InputError(f"{name}: expected a value in some direction; all are NaN")
         sky = sky.isel(direction=np.flatnonzero(known))
         self.sky, self.name, self.turbidity = sky, name, turbidity
         self.sun_zenith = float(sky["sun_zenith"])
