@@ -44,7 +44,11 @@ if TYPE_CHECKING:
     from .campaign.file import load_atmosphere as load_atmosphere, load_campaign as load_campaign
     from .compare import compare_skies as compare_skies
     from .dataset import load_dataset as load_dataset, save_dataset as save_dataset
-    from .dataset.measurements import cornell_skies as cornell_skies
+    from .dataset.aeronet import aeronet_aerosol as aeronet_aerosol, read_aeronet as read_aeronet
+    from .dataset.measurements import (
+        cornell_skies as cornell_skies,
+        read_sky_scanner as read_sky_scanner,
+    )
     from .dataset.runner import run_campaign as run_campaign
     from .errors import InputError as InputError
     from .export import export_fit as export_fit, radiance_scene as radiance_scene
@@ -91,13 +95,16 @@ if TYPE_CHECKING:
     )
     from .sun import (
         clear_sky_irradiance as clear_sky_irradiance,
+        sun_at as sun_at,
         sun_irradiance as sun_irradiance,
         sun_position as sun_position,
+        sun_table as sun_table,
         sun_xyY as sun_xyY,
         sunlight as sunlight,
     )
     from .transfer.simulate_sky import simulate as simulate
     from .transfer.trust import AccuracyWarning as AccuracyWarning
+    from .weather import read_weather as read_weather, weather_table as weather_table
 
 _MODULES = (
     "angles",
@@ -126,7 +133,8 @@ _NAMES = {
     "campaign.file": ("load_atmosphere", "load_campaign"),
     "compare": ("compare_skies",),
     "dataset": ("load_dataset", "save_dataset"),
-    "dataset.measurements": ("cornell_skies",),
+    "dataset.aeronet": ("aeronet_aerosol", "read_aeronet"),
+    "dataset.measurements": ("cornell_skies", "read_sky_scanner"),
     "dataset.runner": ("run_campaign",),
     "errors": ("InputError",),
     "export": ("export_fit", "radiance_scene"),
@@ -150,9 +158,18 @@ _NAMES = {
     "report.coefficients": ("coefficient_table",),
     "report.pipeline": ("reproduce",),
     "retrieval": ("AerosolFit", "Sensitivity", "coefficient_sensitivity", "fit_aerosol"),
-    "sun": ("clear_sky_irradiance", "sun_irradiance", "sun_position", "sun_xyY", "sunlight"),
+    "sun": (
+        "clear_sky_irradiance",
+        "sun_at",
+        "sun_irradiance",
+        "sun_position",
+        "sun_table",
+        "sun_xyY",
+        "sunlight",
+    ),
     "transfer.simulate_sky": ("simulate",),
     "transfer.trust": ("AccuracyWarning",),
+    "weather": ("read_weather", "weather_table"),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names}
 

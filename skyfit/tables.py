@@ -1,10 +1,17 @@
-"""The tables in `skyfit/data`, read once and checked. `data/SOURCES.md` says where each is from."""
+"""Tables in files: those in `skyfit/data`, read once and checked, and those of a user.
+
+`data/SOURCES.md` says where each of the first is from.
+"""
 
 import csv
 from functools import cache
 from importlib import resources
+from os import PathLike
+from pathlib import Path
 
 import numpy as np
+
+from .errors import InputError
 
 
 @cache
@@ -37,3 +44,52 @@ def _column(cells: list[str]) -> np.ndarray:
         column = np.array(cells)
     column.flags.writeable = False
     return column
+
+
+def read_columns(path: str | PathLike[str], *names: str) -> tuple[np.ndarray, ...]:
+    """Columns of numbers of a user's CSV file.
+
+    Columns are separated by commas, semicolons or tabs, in the latter two cases also with decimal
+    commas. A byte order mark, empty lines and those that begin with # are passed over; an empty
+    cell is NaN.
+
+    Args:
+        path: The file, in UTF-8, its first line naming the columns.
+        names: Columns to read.
+
+    Raises:
+        OSError: There is no such file.
+        InputError: One line that names the file, the line or column, and what was expected.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: expected text in UTF-8; {error}") from None
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        raise InputError(f"{path}: expected columns {', '.join(names)}; the file is empty")
+    separator = max(";\t,", key=lines[0][1].count)
+    rows = csv.reader((line for _, line in lines), delimiter=separator, skipinitialspace=True)
+    header, *cells = ([cell.strip() for cell in row] for row in rows)
+    for name in names:
+        if name not in header:
+            raise InputError(f"{path}: expected a column {name}; there is {', '.join(header)}")
+    for (number, _), row in zip(lines[1:], cells, strict=False):
+        if len(row) != len(header):
+            raise InputError(f"{path}:{number}: expected {len(header)} columns; got {len(row)}")
+    decimal = "." if separator == "," else ","
+    columns = []
+    for name in names:
+        place, values = header.index(name), np.empty(len(cells))
+        for k, row in enumerate(cells):
+            try:
+                values[k] = float(row[place].replace(decimal, ".") or "nan")
+            except ValueError:
+                where = f"{path}:{lines[k + 1][0]}: column {name}"
+                raise InputError(f"{where}: expected a number; got {row[place]!r}") from None
+        columns.append(values)
+    return tuple(columns)

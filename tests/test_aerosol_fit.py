@@ -56,13 +56,15 @@ def campaign(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(campaign):
-    """The fit to skies simulated with the true numbers, in single scattering: no ground."""
+    """The fit to skies simulated with the true numbers, in single scattering; one patch is gone."""
     known = aerosol_fit.AerosolFit(TRUTH, {}, 0.0, 0, True).campaign(campaign, "haze")
     light = skyfit.simulate(
         known.build_atmosphere(np.nan), SUN[:, None], VIEW[None], AZIMUTH, 1, quality=COARSE
     ).radiance
+    light = np.array(light)
+    light[1, 3] = np.nan
     skies = xr.Dataset(
-        {"radiance": (("time", "direction", "wavelength"), np.asarray(light))},
+        {"radiance": (("time", "direction", "wavelength"), light)},
         {
             "wavelength": LAM,
             "sun_zenith": ("time", SUN),
@@ -98,7 +100,8 @@ def test_derivatives_through_the_simulator_are_those_of_differences(campaign):
     base = campaign.build_atmosphere(np.nan)
     case = aerosol_fit._Case(
         base, base.vertical_column()[1], *map(jax.numpy.asarray, (SUN, VIEW[None] + 0 * AZIMUTH)),
-        jax.numpy.asarray(AZIMUTH), jax.numpy.ones((2, 5, 3)), 1, 2, COARSE,
+        jax.numpy.asarray(AZIMUTH), jax.numpy.ones((2, 5, 3)),
+        jax.numpy.ones((2, 5, 3), bool), 1, 2, COARSE,
     )  # fmt: skip
 
     @jax.jit

@@ -3,7 +3,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import skyfit
 from skyfit.angles import cos_view_sun_angle, unit_vector, view_sun_angle
+from skyfit.compare.peers import HosekWilkieSky
 
 
 pytestmark = pytest.mark.any_precision
@@ -84,3 +86,71 @@ def test_gradients_agree_with_differences(function):
         want = (function(*up) - function(*down)) / 2e-6
         # Rounding of γ over the step of 1e-6: 1e-16 / 1e-6, times the cone's curvature near γ = 0.
         np.testing.assert_allclose(got, want, atol=1e-7)
+
+
+OVERCAST = skyfit.cie_overcast_sky()
+DOME = skyfit.surfaces.sky_dome(OVERCAST, 0.5, zeniths=2, azimuths=4)
+SHOWN = skyfit.render.ModelSource(OVERCAST, None, "overcast")
+IN_DEGREES = {
+    "formula": lambda: skyfit.preetham_sky(3.0).xyY(45.0, 0.5, 0.0),
+    "formula, view": lambda: skyfit.preetham_sky(3.0).xyY(0.8, [0.5, 30.0], 0.0),
+    "formula, azimuth": lambda: skyfit.preetham_sky(3.0).rgb(0.8, 0.5, 90.0),
+    "formula, relative": lambda: skyfit.preetham_sky(3.0).relative(45.0, 0.5, 0.0),
+    "formula, coefficients": lambda: skyfit.preetham_sky(3.0).coefficients(45.0),
+    "sun below the zenith": lambda: skyfit.preetham_sky(3.0).xyY(-0.1, 0.5, 0.0),
+    "luminance": lambda: OVERCAST.radiance(45.0, 0.5, 0.0, [500.0]),
+    "day": lambda: skyfit.day_sky(3.0).srgb(45.0, 0.5, 0.0),
+    "blend": lambda: skyfit.overcast_blend_sky(8.0).xyY(45.0, 0.5, 0.0),
+    "hoffman": lambda: skyfit.hoffman_preetham_sky(3.0).rgb(45.0, 0.5, 0.0),
+    "marcher": lambda: skyfit.scs_sky().rgb(45.0, 0.5, 0.0),
+    "peer": lambda: HosekWilkieSky(3.0).xyY(45.0, 0.5, 0.0),
+    "sunlight": lambda: skyfit.sun_xyY(3.0, 45.0),
+    "irradiance": lambda: skyfit.clear_sky_irradiance(3.0, 45.0),
+    "longitude": lambda: skyfit.sun_position(0.8, 45.0, 80, 12.0, 0.0),
+    "meridian": lambda: skyfit.sun_position(0.8, 0.0, 80, 12.0, 15.0),
+    "dome": lambda: skyfit.surfaces.sky_dome(OVERCAST, 45.0),
+    "plane": lambda: skyfit.surfaces.plane_light(DOME, 45.0),
+    "aerial": lambda: skyfit.ward_larson_aerial(3.0, OVERCAST, 0.8).transmittance(1e3, 90.0),
+    "simulate": lambda: skyfit.simulate(skyfit.preetham_atmosphere(2.0), 0.8, 0.5, 90.0),
+    "camera": lambda: skyfit.render.Panorama(centre=90.0),
+    "ground": lambda: skyfit.render.horizontal_irradiance(SHOWN, 45.0, 1.0),
+    "terrain": lambda: skyfit.render.render_terrain(
+        SHOWN,
+        skyfit.render.sample_elevation(),
+        skyfit.render.Perspective(8, 8),
+        (9.0, 9.0),
+        0.8,
+        135.0,
+        None,
+    ),
+    "judging": lambda: skyfit.shape_error(OVERCAST, OVERCAST, max_view_zenith=80.0),
+}
+
+
+@pytest.mark.parametrize("call", IN_DEGREES.values(), ids=IN_DEGREES)
+def test_degrees_are_refused(call):
+    with pytest.raises(skyfit.InputError, match=r"must lie in .* rad"):
+        call()
+
+
+def test_what_is_missing_passes_and_two_azimuths_may_differ_by_more_than_a_turn():
+    sky = skyfit.preetham_sky(3.0)
+    assert np.isnan(sky.xyY(np.nan, 0.5, 0.0)).all()
+    turned = sky.xyY(0.8, 0.5, 0.3 + 2 * np.pi)
+    np.testing.assert_allclose(turned, sky.xyY(0.8, 0.5, 0.3), rtol=1e-5)
+
+
+def test_nothing_is_checked_while_tracing():
+    sky = skyfit.preetham_sky(3.0)
+
+    def luminance(sun):
+        return sky.xyY(sun, 0.5, 0.0)[2]
+
+    text = str(jax.make_jaxpr(luminance)(0.8))
+    assert "error" not in text
+    assert "callback" not in text
+    assert np.isfinite(jax.jit(jax.grad(luminance))(0.8))
+    suns = jnp.asarray([0.3, 0.8])
+    np.testing.assert_allclose(
+        jax.vmap(luminance)(suns), [luminance(sun) for sun in suns], rtol=1e-5
+    )

@@ -176,9 +176,28 @@ def test_another_programs_dataset_is_refused_by_its_schema(tmp_path):
 def test_a_record_with_a_hole_is_refused(calls, tmp_path):
     record = skyfit.run_campaign(SMALL)
     record["radiance"][0, 1, 2, 0] = np.nan
-    skyfit.save_dataset(record, tmp_path / "sky.nc")
+    record.to_netcdf(tmp_path / "sky.nc")
     with pytest.raises(ValueError, match="radiance has 1 non-finite values of 72"):
         skyfit.load_dataset(tmp_path / "sky.nc")
+    with pytest.raises(ValueError, match=r"save_dataset.*radiance has 1 non-finite values of 72"):
+        skyfit.save_dataset(record, tmp_path / "other.nc")
+
+
+@pytest.mark.parametrize("name", ["sky.nc", "sky.zarr"])
+def test_what_is_saved_of_a_measured_sky_is_read(name, tmp_path):
+    skies = skyfit.cornell_skies().isel(wavelength=slice(0, 4), time=[0, 1])
+    skies["luminance"][0, 3] = np.nan
+    skyfit.save_dataset(skies, tmp_path / name)
+    xr.testing.assert_equal(skyfit.load_dataset(tmp_path / name), skies)
+
+
+def test_what_is_no_sky_is_not_saved(tmp_path):
+    skies = skyfit.cornell_skies()
+    with pytest.raises(skyfit.InputError, match="expected skies; there is no view_zenith"):
+        skyfit.save_dataset(skies.drop_vars("view_zenith"), tmp_path / "sky.nc")
+    with pytest.raises(skyfit.InputError, match="expected skies; there is no radiance or lum"):
+        skyfit.save_dataset(skies.drop_vars(["radiance", "luminance"]), tmp_path / "sky.nc")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_name_without_a_known_ending_is_refused(calls, tmp_path):

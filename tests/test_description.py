@@ -214,7 +214,7 @@ def test_pairs_of_oxygen_molecules_absorb_as_measured(tmp_path):
 
 
 def test_a_table_next_to_the_file_is_read_and_kept(tmp_path):
-    (tmp_path / "ground.csv").write_text("wavelength_nm,albedo\n450,0.1\n650,0.3\n")
+    (tmp_path / "ground.csv").write_text("# falling\nwavelength_nm;albedo\n650;0,3\n450;0,1\n")
     text = AIR + '[ground]\nalbedo = {csv = "ground.csv", column = "albedo"}\n'
     np.testing.assert_allclose(atmosphere(tmp_path, text).ground_albedo, [0.1, 0.2, 0.3])
     campaign = skyfit.load_campaign(tmp_path / "own.toml")
@@ -347,3 +347,53 @@ def test_a_forward_peak_can_be_counted_as_light_that_goes_on():
     assert 0.3 < scattered[0] / before[0] < 0.7  # diffraction is about half of it
     level = np.interp(np.radians(12.0), whole.angle, whole.phase[:, 0])
     np.testing.assert_allclose(cut.phase[~outside].max(), level, rtol=1e-9)
+
+
+PHASES = {
+    "lists": "{wavelength_nm = [450, 650], angle_deg = [0, 90, 180], "
+    "value = [[4, 1, 2], [30, 10, 10]]}",
+    "file": '{wavelength_nm = [450, 650], csv = "phase.csv", column = ["blue", "red"]}',
+}
+
+
+@pytest.mark.parametrize("phase", PHASES.values(), ids=PHASES)
+def test_a_phase_function_may_differ_by_wavelength(phase, tmp_path):
+    (tmp_path / "phase.csv").write_text("angle_deg,blue,red\n0,4,30\n90,1,10\n180,2,10\n")
+    table = '[[constituents]]\nname = "dust"\nkind = "table_aerosol"\nextinction = 1e-5\nphase = '
+    built = atmosphere(tmp_path, AIR + table + phase + "\n", [450.0, 550.0, 650.0])
+    got = np.asarray(
+        built.constituents[1].phase.spectral(jnp.cos(jnp.radians(jnp.array([0.0, 90.0, 180.0]))))
+    )
+    # The red one is 30 e^(-b θ) forward of 90° and 10 behind; by hand, 2π ∫ p sin θ dθ.
+    b = 2 * np.log(3) / np.pi
+    red = 2 * np.pi * (10 * 1 + 10 * (3 - b) / (1 + b**2))
+    np.testing.assert_allclose(got[:, 2], np.array([30, 10, 10]) / red, rtol=1e-6)
+    np.testing.assert_allclose(got[[0, 2], 0] / got[1, 0], [4.0, 2.0], rtol=1e-6)
+    np.testing.assert_allclose(got[:, 1], (got[:, 0] + got[:, 2]) / 2, rtol=0.02)
+    campaign = skyfit.load_campaign(tmp_path / "own.toml")
+    assert skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict()))) == campaign
+
+
+@pytest.mark.parametrize(
+    ("nodes", "value", "message"),
+    [
+        ("[450]", "[1, 2]", "expected a value for each wavelength_nm"),
+        ("[450, 650]", "[[1, 2]]", "expected a value for each wavelength_nm"),
+        ("[450]", "[[1, 2, 3]]", "expected as many value as angle_deg"),
+        ("[650, 450]", "[[1, 2], [1, 2]]", "650 before 450"),
+        ("[450]", "[[1, 0]]", "values above 0"),
+    ],
+)
+def test_phase_functions_that_are_none_are_refused_in_one_line(nodes, value, message, tmp_path):
+    phase = f"{{wavelength_nm = {nodes}, angle_deg = [0, 180], value = {value}}}"
+    table = '[[constituents]]\nname = "dust"\nkind = "table_aerosol"\nextinction = 1e-5\nphase = '
+    with pytest.raises(skyfit.InputError, match=message) as error:
+        atmosphere(tmp_path, AIR + table + phase + "\n")
+    assert "phase" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text("\ufeff" + HEAD + AIR, encoding="utf-8")
+    assert len(skyfit.load_atmosphere(file).constituents) == 1

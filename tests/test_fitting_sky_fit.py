@@ -280,8 +280,8 @@ def test_every_sky_by_itself_is_fitted_as_well_as_from_random_starts(bent):
     assert np.all(each.rms <= np.sqrt(1.001) * random)
 
 
-def test_nan_is_refused_and_never_fitted(exact):
-    data = exact.copy(deep=True)
+def test_nan_of_a_simulation_is_refused_and_never_fitted(exact):
+    data = exact.copy(deep=True).assign_attrs(campaign="{}")
     data["luminance"][1, 2, 3] = np.nan
     for fit in (fit_sky, fit_each_sky):
         with pytest.raises(ValueError, match=r"luminance has 1 non-finite values of 552"):
@@ -320,6 +320,26 @@ def test_a_logarithm_keeps_the_zenith_bright_until_sunset_and_falls_in_twilight(
     assert zenith[1] > zenith[2] > 0
     assert zenith[2] / zenith[1] == pytest.approx(zenith[3] / zenith[2], rel=1e-6)
     assert zenith[4] / zenith[3] == pytest.approx(10 ** (-6 / 2.5), rel=1e-6)
+
+
+@pytest.mark.parametrize("weights", ["equal", "solid angle"])
+def test_patches_without_a_value_are_left_out(exact, weights):
+    # Every fifth patch, the zenith of one sky among them, and one without an angle.
+    gone = (np.arange(exact["luminance"].size) % 5 == 0).reshape(exact["luminance"].shape)
+    data = exact.copy(deep=True)
+    data["luminance"].values[gone] = np.nan
+    data["x"].values[1, 1, 1] = np.nan
+    data["relative_azimuth"].values[7] = np.nan
+    fit = fit_sky(data, weights=weights)
+    np.testing.assert_allclose(fit.coefficients["Y"], published_coefficients()[2], rtol=1e-5)
+    assert fit.diagnostics["Y"].worst < 1e-6
+
+
+def test_a_scanner_of_luminance_alone_is_fitted_and_white(exact):
+    white = fit_sky(exact.drop_vars(["x", "y"]))
+    np.testing.assert_allclose(white.coefficients["Y"], published_coefficients()[2], rtol=1e-5)
+    colour = white.sky(turbidity=3.0).xyY(0.5, 0.9, 1.0)
+    np.testing.assert_allclose(colour[:2], [0.3127, 0.3290], rtol=1e-4)
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ ORDER = [
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",
-    "models", "turbidity", "fitting",                         # closed forms, and fitting them
+    "models", "weather", "turbidity", "fitting",              # closed forms, and fitting them
     "transfer",                                               # simulation
     "campaign", "error_estimate",                             # which skies, and how good they are
     "dataset",                                                # records of skies, and making them

@@ -8,8 +8,11 @@ import pytest
 from peers import peer
 
 from skyfit.models import all_weather, levels, perez_all_weather_sky, perez_clear_sky
+from skyfit.models.perez import perez
 from skyfit.sun import Irradiance, clear_sky_irradiance
 from skyfit.sun.light import air_mass
+from skyfit.surfaces import plane_light, sky_dome
+from skyfit.surfaces.dome import dome_grid
 
 
 pytestmark = pytest.mark.any_precision
@@ -75,6 +78,66 @@ def test_the_ground_gets_the_skys_irradiance_times_its_efficacy():
     np.testing.assert_allclose(ground, 120 * by_hand, rtol=1e-4)
 
 
+# Elevation and irradiances, and a + 2 b, c, d of their row of Perez et al. (1990), table 4.
+ODD_SKIES = [
+    (55, 150, 38, (106.42 + 2 * 3.83, -36.15, -28.83)),
+    (35, 150, 38, (106.42 + 2 * 3.83, -36.15, -28.83)),
+    (70, 70, 20, (106.42 + 2 * 3.83, -36.15, -28.83)),
+    (88, 590, 815, (102.39 + 2 * 5.59, -13.95, -13.90)),  # a sky cut off at black
+]
+
+
+@pytest.mark.parametrize(("elevation", "direct", "diffuse", "row"), ODD_SKIES)
+def test_an_odd_dome_gives_the_ground_its_light(elevation, direct, diffuse, row):
+    zenith = np.radians(90.0 - elevation)
+    # Equations 2 and 7, with Kasten's air mass.
+    mass = 1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
+    want = row[0] + row[1] * np.cos(zenith) + row[2] * np.log(mass * diffuse / 1367)
+    dome = sky_dome(perez_all_weather_sky(float(direct), float(diffuse)), zenith)
+    assert dome.light.min() >= 0
+    np.testing.assert_allclose(plane_light(dome).sky[1], diffuse * want, rtol=3e-3)
+    # The brightest point of a sky without its sun is some times its mean, not thousands.
+    assert dome.light[..., 1].max() < 20 * diffuse * want / np.pi
+
+
+def test_no_irradiance_turns_most_of_a_dome_black():
+    zenith, clearness, brightness = (
+        jnp.asarray(axis.ravel())
+        for axis in np.meshgrid(
+            np.radians(np.arange(0.0, 91.0, 5.0)),
+            [1.0, 1.1, 1.3, 1.7, 2.4, 2.8, 3.6, 4.49, 5.3, 9.0],
+            np.geomspace(0.01, 0.6, 12),
+        )
+    )
+    views, azimuths, solid_angle = dome_grid(12, 24)
+    cosine = np.cos(views)[:, None, None] * np.cos(zenith)
+    cosine = cosine + np.sin(views)[:, None, None] * np.sin(zenith) * np.cos(azimuths)[:, None]
+    gamma = jnp.arccos(jnp.clip(cosine, -1, 1))
+    cos_view = jnp.broadcast_to(jnp.cos(views)[:, None, None], gamma.shape)
+    table = all_weather.all_weather_coefficients(clearness, brightness, zenith)
+    light = perez(table[:, None, None], cos_view, gamma, jnp.cos(gamma))
+    black = ((np.asarray(light) <= 0) * solid_angle[:, None, None]).sum((0, 1)) / (2 * np.pi)
+    assert black.max() < 0.25
+
+
+@pytest.mark.parametrize(
+    ("direct", "diffuse", "light"),
+    [(0.0, 0.0, 0.0), (-1.0, -1.0, 0.0), (np.nan, 50.0, np.nan), (50.0, np.nan, np.nan)],
+)
+def test_night_offsets_and_gaps_leave_the_rest_of_a_year_alone(direct, diffuse, light):
+    year = perez_all_weather_sky([direct, 100.0], [diffuse, 50.0])
+    got = year.xyY([1.2, 0.5], 0.3, 0.0)[:, 2]
+    np.testing.assert_array_equal(got[0], light)
+    np.testing.assert_allclose(got[1], perez_all_weather_sky(100.0, 50.0).xyY(0.5, 0.3, 0.0)[2])
+
+
+# About 600 lx at sunset, and 3 lx six degrees below, as measured: `skyfit.models.base`.
+@pytest.mark.parametrize(("degrees", "light"), [(90.0, 600.0), (96.0, 600 * 10 ** (-6 / 2.5))])
+def test_a_clear_sky_is_lit_at_sunset(degrees, light):
+    ground = plane_light(sky_dome(perez_clear_sky(3.0), np.radians(degrees))).sky[1]
+    np.testing.assert_allclose(ground, light, rtol=3e-3)
+
+
 def test_coefficients_without_direct_light_are_those_of_an_overcast_sky():
     _, clearness, _ = conditions(30, 0, 150)
     assert clearness == 1
@@ -114,9 +177,8 @@ def test_the_clear_all_weather_sky_is_the_one_of_its_irradiance():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((-1.0, 100.0), r"direct_normal=...\) must lie in 0 to 1367 W/m²; got -1"),
-        ((100.0, 0.0), r"diffuse_horizontal=...\) must be above 0, to 1367 W/m²; got 0"),
-        ((np.nan, 100.0), "must lie in 0 to 1367 W/m²; got nan"),
+        ((-99.0, 100.0), r"direct_normal=...\) must lie in 0 to 1367 W/m².*; got -99"),
+        ((100.0, 9999.0), r"diffuse_horizontal=...\) must lie in 0 to 1367 W/m².*; got 9999"),
     ],
 )
 def test_mistakes_are_named(arguments, message):

@@ -131,6 +131,20 @@ def test_samples_come_back_where_they_were_taken_and_planes_in_between():
     np.testing.assert_allclose(dome.light[..., 0][inside], want[inside], atol=1e-9)
 
 
+def test_patches_without_a_value_are_bridged_by_their_neighbours():
+    view, azimuth = paper_directions()
+    values = 2.0 + view * np.cos(azimuth)
+    values[7::9] = np.nan
+    dome = sampled_dome(0.5, view, azimuth, values[:, None])
+    x, y, z = np.moveaxis(np.asarray(dome.directions), -1, 0)
+    zenith = np.arccos(z)
+    want = 2.0 + zenith * x / np.hypot(x, y)
+    inside = zenith < 1.3
+    np.testing.assert_allclose(dome.light[..., 0][inside], want[inside], atol=1e-9)
+    with pytest.raises(skyfit.InputError, match="expected 4 directions or more"):
+        sampled_dome(0.5, view[:5], azimuth[:5], [[1.0]] * 3 + [[np.nan]] * 2)
+
+
 @pytest.mark.slow
 def test_a_measured_sky_lights_the_ground_as_its_nearest_samples_do():
     skies = cornell_skies().isel(time=3)

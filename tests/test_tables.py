@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import skyfit
 from skyfit import tables
 from skyfit.tables import read_table
 
@@ -105,3 +106,39 @@ def test_a_ragged_table_names_its_line(tmp_path, monkeypatch):
     monkeypatch.setattr(tables.resources, "files", lambda _: tmp_path)
     with pytest.raises(ValueError, match=r"ragged\.csv:3: expected 2 columns, got 1$"):
         read_table("ragged")
+
+
+USERS = {
+    "plain": "wavelength_nm,albedo\n450,0.1\n650,0.3\n",
+    "mark": "\ufeffwavelength_nm,albedo\n450,0.1\n650,0.3\n",
+    "comments": "# of grass\n\nwavelength_nm,albedo\n450,0.1\n# gap\n650,0.3\n\n",
+    "semicolons": "wavelength_nm;albedo\n450;0,1\n650;0,3\n",
+    "tabs": "wavelength_nm\talbedo\tnote\n450\t0.1\ta, b\n650\t0.3\t\n",
+    "spaces": "wavelength_nm, albedo\r\n450, 0.1\r\n650, 0.3\r\n",
+}
+
+
+@pytest.mark.parametrize("text", USERS.values(), ids=USERS)
+def test_a_users_table_is_read_however_it_is_written(text, tmp_path):
+    (tmp_path / "grass.csv").write_text(text, encoding="utf-8", newline="")
+    nodes, values = tables.read_columns(tmp_path / "grass.csv", "wavelength_nm", "albedo")
+    np.testing.assert_array_equal(nodes, [450.0, 650.0])
+    np.testing.assert_array_equal(values, [0.1, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "expected columns a, b; the file is empty"),
+        (b"a,c\n1,2\n", "expected a column b; there is a, c"),
+        (b"a,b\n1,2\n# x\n3\n", r"t.csv:4: expected 2 columns; got 1"),
+        (b"a,b\n1,2,3\n", r"t.csv:2: expected 2 columns; got 3"),
+        (b"a,b\n1,2\n\n3,x\n", r"t.csv:4: column b: expected a number; got 'x'"),
+        (b"a,b\n\xff,1\n", "expected text in UTF-8"),
+    ],
+)
+def test_a_users_table_that_is_none_is_refused_in_one_line(text, message, tmp_path):
+    (tmp_path / "t.csv").write_bytes(text)
+    with pytest.raises(skyfit.InputError, match=message) as error:
+        tables.read_columns(tmp_path / "t.csv", "a", "b")
+    assert "\n" not in str(error.value)

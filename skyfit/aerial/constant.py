@@ -5,6 +5,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
+from ..angles import as_azimuth, as_view_zenith
 from ..atmosphere import Atmosphere
 from ..models.directions import align
 from .base import AbstractAerialPerspective
@@ -39,7 +40,8 @@ class ConstantAmbient(AbstractAerialPerspective):
         self, distance: ArrayLike, view_zenith: ArrayLike = 0.0, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives from a distance [m]."""
-        far, *others = map(as_float, (distance, view_zenith, observer_altitude))
+        view = as_view_zenith(view_zenith, "aerial(view_zenith=...)")
+        far, *others = map(as_float, (distance, view, observer_altitude))
         shape = jnp.broadcast_shapes(far.shape, *(other.shape for other in others))
         far = jnp.broadcast_to(far, shape)[..., None]
         # An infinite distance has no derivative worth the name; a long one serves as well.
@@ -54,8 +56,11 @@ class ConstantAmbient(AbstractAerialPerspective):
         observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light; arguments as `apply`."""
-        view, azimuth = align(as_float(view_zenith), as_float(relative_azimuth))
-        seen = self.transmittance(distance, view + azimuth.astype(view.dtype), observer_altitude)
+        view = as_view_zenith(view_zenith, "aerial(view_zenith=...)")
+        azimuth = as_azimuth(relative_azimuth, "aerial(relative_azimuth=...)")
+        view, azimuth = align(view, azimuth)
+        shape = jnp.broadcast_shapes(view.shape, azimuth.shape)
+        seen = self.transmittance(distance, jnp.broadcast_to(view, shape), observer_altitude)
         ambient, seen = align(self.ambient.astype(seen.dtype), seen)
         return seen, ambient * (1 - seen)
 

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Spectrum, as_float, check, is_traced
+from ..angles import as_azimuth, as_view_zenith
 from ..atmosphere import Atmosphere
 from ..errors import InputError
 from ..transfer.line_classes import LineClasses, all_alike
@@ -62,14 +63,17 @@ class AerialPerspective(AbstractAerialPerspective):
         observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch channel"], Float[Array, "*batch channel"]]:
         """Transmittance τ and in-scattered light, arguments as `apply`: L = L₀ τ + in-scattered."""
-        s, view, azimuth, height = _rays(distance, view_zenith, relative_azimuth, observer_altitude)
+        view = as_view_zenith(view_zenith, "aerial(view_zenith=...)")
+        azimuth = as_azimuth(relative_azimuth, "aerial(relative_azimuth=...)")
+        s, view, azimuth, height = _rays(distance, view, azimuth, observer_altitude)
         return _split(self, s, view, azimuth, height)
 
     def transmittance(
         self, distance: ArrayLike, view_zenith: ArrayLike, observer_altitude: ArrayLike = 0.0
     ) -> Float[Array, "*batch channel"]:
         """Share of an object's light that arrives; arguments as `apply`."""
-        s, view, height = _rays(distance, view_zenith, observer_altitude)
+        view = as_view_zenith(view_zenith, "aerial(view_zenith=...)")
+        s, view, height = _rays(distance, view, observer_altitude)
         return _transmittance(self, s, view, height)
 
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Scalar, as_float
-from ..angles import view_sun_angle
+from ..angles import as_azimuth, as_view_zenith, view_sun_angle
 from ..models.directions import align
 from ..models.hoffman import HoffmanPreethamSky
 from .base import AbstractAerialPerspective
@@ -39,7 +39,9 @@ class UniformAir(AbstractAerialPerspective):
         observer_altitude: ArrayLike = 0.0,
     ) -> tuple[Float[Array, "*batch 3"], Float[Array, "*batch 3"]]:
         """Transmittance and in-scattered light; arguments as `apply`."""
-        rays = map(as_float, (distance, view_zenith, relative_azimuth, observer_altitude))
+        view = as_view_zenith(view_zenith, "aerial(view_zenith=...)")
+        azimuth = as_azimuth(relative_azimuth, "aerial(relative_azimuth=...)")
+        rays = as_float(distance), view, azimuth, as_float(observer_altitude)
         return _split(self, *jnp.broadcast_arrays(*align(*rays)))
 
 

@@ -105,7 +105,9 @@ class Campaign:
         if view_zenith is None or relative_azimuth is None:
             view_zenith, relative_azimuth = paper_directions()
         angles = axis_of("view_zenith", view_zenith, 0.0, np.pi, increasing=False)
-        azimuths = axis_of("relative_azimuth", relative_azimuth, -np.inf, np.inf, increasing=False)
+        azimuths = axis_of(
+            "relative_azimuth", relative_azimuth, -4 * np.pi, 4 * np.pi, increasing=False
+        )
         if len(angles) != len(azimuths):
             raise InputError(
                 "Campaign: expected as many relative_azimuth as view_zenith, one a direction; "

@@ -12,6 +12,7 @@ from skyfit.render.source_files import REFIT
 
 from .options import as_json, settings
 from .output import print_json, progress
+from .place import in_degrees
 
 
 @click.command()
@@ -19,6 +20,7 @@ from .output import print_json, progress
     "--sun-zenith-deg",
     type=click.FloatRange(0, 180),
     required=True,
+    callback=in_degrees,
     help="Zenith angle of the sun, in degrees.",
 )
 @click.option("--turbidity", type=click.FloatRange(min=1), required=True, help="1 or more.")

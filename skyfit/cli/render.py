@@ -11,6 +11,7 @@ from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
 
 from .options import as_json, settings
 from .output import INTERRUPTED, complain, print_record, progress
+from .place import DAY, in_degrees, refuse_still, sun_of_still
 
 
 VIEWS = ("fisheye", "panorama", "perspective")
@@ -31,12 +32,12 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )
 @settings
 @click.option(
-    "--sun-zenith-deg", type=click.FloatRange(0, 180),
+    "--sun-zenith-deg", type=click.FloatRange(0, 180), callback=in_degrees,
     help="45 if absent, or the sun of the one sky in SKY.",
 )  # fmt: skip
 @click.option(
-    "--sun-azimuth-deg", type=float, default=180.0, show_default=True,
-    help="Compass: 0 north, 90 east.",
+    "--sun-azimuth-deg", type=click.FloatRange(-360, 360),
+    help="Compass: 0 north, 90 east; 180 if absent.",
 )  # fmt: skip
 @click.option("--view", type=click.Choice(VIEWS), default="fisheye", show_default=True)
 @click.option(
@@ -60,10 +61,15 @@ VIEWS = ("fisheye", "panorama", "perspective")
     "--ground-albedo", type=click.FloatRange(0, 1),
     help="Below the horizon; 0.2 if absent, or the atmosphere's own.",
 )  # fmt: skip
-@click.option("--latitude-deg", type=click.FloatRange(-90, 90), help="Of a day.")
-@click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day.")
+@click.option("--latitude-deg", type=click.FloatRange(-90, 90), help="Of a time, or of a day.")
+@click.option("--longitude-deg", type=click.FloatRange(-180, 360), help="Of a time; east.")
 @click.option(
-    "--to-sun-zenith-deg", type=click.FloatRange(0, 180),
+    "--time",
+    help="Of one picture: 2024-06-21T12:00+02:00; or solar time as 12:00, with --day-of-year.",
+)
+@click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day, or of a solar time.")
+@click.option(
+    "--to-sun-zenith-deg", type=click.FloatRange(0, 180), callback=in_degrees,
     help="In place of a day: the sun moves here from --sun-zenith-deg.",
 )  # fmt: skip
 @click.option(
@@ -109,17 +115,18 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     look = skyfit.render
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
-    given = _radians(options["sun_zenith_deg"])
-    if options["terrain"] is not None and kind in (".gif", ".apng"):
+    moving = kind in (".gif", ".apng")
+    given, azimuth = _sun(options, moving)
+    if options["terrain"] is not None and moving:
         raise click.UsageError("--terrain: only for one picture, not for a day")
     land = _land(options["terrain"], options["view"], options["shafts"])
     height = 0.0 if land is not None else options["altitude_m"]
     source = look.load_source(sky, options["turbidity"], given, height, options["settings"])
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
     saved = {name: options[name] for name in ("ev", "tone", "gamut", "overwrite")}
-    zenith, azimuth = look.sun_of(source, given), np.radians(options["sun_azimuth_deg"])
+    zenith = look.sun_of(source, given)
     with progress("rendering", quiet=as_json) as bar:
-        if kind in (".gif", ".apng"):
+        if moving:
             suns, kept = _suns(options, zenith, azimuth), look.frames_directory(out)
             try:
                 record = look.animate(
@@ -172,15 +179,24 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
     )  # fmt: skip
 
 
+def _sun(options: dict[str, Any], moving: bool) -> tuple[float | None, float]:
+    """Zenith angle of the sun, where it is known, and its azimuth."""
+    placed = refuse_still(options) if moving else sun_of_still(options)
+    if placed is not None:
+        return placed
+    azimuth = options["sun_azimuth_deg"]
+    return _radians(options["sun_zenith_deg"]), float(
+        np.radians(180 if azimuth is None else azimuth)
+    )
+
+
 def _suns(options: dict[str, Any], zenith: float, azimuth: float) -> np.ndarray:
     """Zenith angle and azimuth of every frame."""
     frames, last = options["frames"], _radians(options["to_sun_zenith_deg"])
     if last is not None:
         return np.stack([np.linspace(zenith, last, frames), np.full(frames, azimuth)], axis=1)
     if options["latitude_deg"] is None or options["day_of_year"] is None:
-        raise click.UsageError(
-            "--out: a day needs --latitude-deg and --day-of-year, or --to-sun-zenith-deg"
-        )
+        raise click.UsageError(f"--out: {DAY}")
     latitude = np.radians(options["latitude_deg"])
     return skyfit.render.day_of_suns(latitude, options["day_of_year"], frames)
 

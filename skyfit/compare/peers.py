@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
+from ..angles import as_sight
 from ..colour import spectrum_to_xyY
 
 
@@ -53,6 +54,7 @@ class HosekWilkieSky:
             relative_azimuth: View azimuth minus sun azimuth [rad].
             wavelengths: Wavelengths on one axis, each from 320 to 720 [nm].
         """
+        as_sight(sun_zenith, view_zenith, relative_azimuth, "sky")
         view, azimuth = np.broadcast_arrays(view_zenith, relative_azimuth)
         wanted = np.asarray(wavelengths, float)
         spectra = np.zeros((*view.shape, wanted.size))

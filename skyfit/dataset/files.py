@@ -14,6 +14,7 @@ from .record import SCHEMA
 
 
 SUFFIXES = (".zarr", ".nc")
+_NEEDED = ("sun_zenith", "view_zenith", "relative_azimuth")
 
 
 def save_dataset(
@@ -22,14 +23,22 @@ def save_dataset(
     """Write a sky dataset.
 
     Args:
-        dataset: Skies as `run_campaign` returns them.
+        dataset: Skies as `run_campaign` returns them, or measured ones in the same form, where NaN
+            is what is missing.
         path: Name that ends in .zarr for a zarr store, in .nc for a netCDF file.
         overwrite: Replace a sky dataset that is there; nothing else is ever replaced.
 
     Raises:
-        InputError: Another ending; something is there that must not be replaced.
+        InputError: Another ending; something is there that must not be replaced; what could not be
+            read back: no skies, or simulated ones with a NaN or an infinity.
     """
     kind = check_suffix(path)
+    missing = [name for name in _NEEDED if name not in dataset.variables]
+    if missing or not {"radiance", "luminance"} & set(dataset.variables):
+        words = ", ".join(missing or ["radiance or luminance"])
+        raise InputError(f"save_dataset(dataset=...): expected skies; there is no {words}")
+    _refuse_holes(dataset, "save_dataset(dataset=...)")
+    dataset = dataset.assign_attrs(schema=SCHEMA)
     if Path(path).exists():
         stored_attributes(path)
         if not overwrite:
@@ -53,7 +62,8 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
 
     Raises:
         FileNotFoundError: There is no such file.
-        InputError: The file is not one, is unfinished, or holds a NaN or an infinity.
+        InputError: The file is not one, is unfinished, or holds an infinity, or a NaN although it
+            was simulated.
     """
     stored_attributes(path)
     dataset = _read(path)
@@ -67,11 +77,19 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
         dataset = dataset.drop_vars("done")
     if ERRORS in dataset and not covers(estimate_of(dataset), "all"):
         dataset = dataset.drop_vars(ERRORS)  # interrupted before every sky had one
-    for name, array in dataset.data_vars.items():
-        bad = int(np.count_nonzero(~np.isfinite(array.values)))
-        if bad:
-            raise InputError(f"{path}: {name} has {bad} non-finite values of {array.size}")
+    _refuse_holes(dataset, path)
     return dataset
+
+
+def _refuse_holes(dataset: xr.Dataset, where: object) -> None:
+    simulated = "campaign" in dataset.attrs
+    for name, array in dataset.data_vars.items():
+        if array.dtype.kind not in "fc":
+            continue
+        values = array.values
+        bad = int(np.count_nonzero(~np.isfinite(values) if simulated else np.isinf(values)))
+        if bad:
+            raise InputError(f"{where}: {name} has {bad} non-finite values of {array.size}")
 
 
 def check_suffix(path: str | PathLike[str]) -> str:

@@ -1,11 +1,17 @@
 """Measured skies, in the same form as simulated ones."""
 
 from importlib import resources
-from typing import Any
+from os import PathLike
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
+from ..angles import azimuth_from_south
+from ..errors import InputError
+from ..sun import SunPosition
+from ..tables import read_columns
 from .record import describe, sky_variables
 
 
@@ -46,3 +52,76 @@ def cornell_skies() -> xr.Dataset:
     }
     attributes = {name: raw.attrs[name] for name in ("title", "source", "notes")}
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def read_sky_scanner(
+    path: str | PathLike[str],
+    sun: SunPosition,
+    *,
+    azimuth: str = "azimuth_deg",
+    altitude: str = "altitude_deg",
+    luminance: str = "luminance",
+    unit: float = 1.0,
+    zero: Literal["north", "south"] = "north",
+) -> xr.Dataset:
+    """A sky scanner's table of patches, such as Tregenza's 145, as a measured sky.
+
+    Luminances that are empty, or not above 0, are NaN: fits and domes leave them out.
+
+    Args:
+        path: A CSV file with a row for each patch; commas, semicolons or tabs, # for comments.
+        sun: Where the sun stood, as `skyfit.sun_at` says.
+        azimuth: Name of the column of azimuths, which grow clockwise [degrees].
+        altitude: Name of the column of angles above the horizon [degrees].
+        luminance: Name of the column of luminances.
+        unit: Unit of the luminances [cd m⁻²]: 1000 for kcd m⁻².
+        zero: Where azimuths are 0.
+
+    Returns:
+        One sky in the form of `skyfit.dataset`, with `luminance` over `direction`.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        InputError: A column that is not there, what is no number, or an angle out of its range.
+    """
+    if zero not in ("north", "south"):
+        raise InputError(f"read_sky_scanner(zero=...): expected 'north' or 'south'; got {zero!r}")
+    turn, height, light = read_columns(path, azimuth, altitude, luminance)
+    if not ((height >= 0) & (height <= 90)).all() or not (abs(turn) <= 360).all():
+        raise InputError(
+            f"{path}: expected {altitude} from 0 to 90 and {azimuth} from -360 to 360 in every row"
+        )
+    compass = np.radians(turn + (180.0 if zero == "south" else 0.0))
+    values = np.where(light > 0, unit * light, np.nan)
+    return measured_sky(sun, np.radians(90 - height), compass, luminance=values)
+
+
+def measured_sky(
+    sun: SunPosition,
+    view_zenith: Float[np.ndarray, " direction"],
+    azimuth: Float[np.ndarray, " direction"],
+    **light: Float[np.ndarray, " direction"],
+) -> xr.Dataset:
+    """One sky from values in directions.
+
+    Args:
+        sun: Where the sun stood, azimuth from the south westward [rad].
+        view_zenith: Zenith angle of every direction [rad].
+        azimuth: Its compass azimuth [rad].
+        light: Values of `luminance`, and of `x` and `y` where colours are known.
+
+    Raises:
+        InputError: More than one sun.
+    """
+    if np.ndim(sun.zenith) or np.ndim(sun.azimuth):
+        raise InputError(f"sun: expected one; got shape {np.shape(sun.zenith)}")
+    relative = np.asarray(azimuth_from_south(azimuth), float) - float(sun.azimuth)
+    relative = np.remainder(relative + np.pi, 2 * np.pi) - np.pi
+    return xr.Dataset(
+        {name: ("direction", values, describe(name)) for name, values in light.items()},
+        {
+            "sun_zenith": ((), float(sun.zenith), describe("sun_zenith")),
+            "view_zenith": ("direction", view_zenith, describe("view_zenith")),
+            "relative_azimuth": ("direction", relative, describe("relative_azimuth")),
+        },
+    )

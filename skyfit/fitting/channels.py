@@ -11,7 +11,7 @@ from .._typing import as_float
 from ..colour import xyY_to_xyz, xyz_to_rgb
 from ..errors import InputError
 from ..models.formula import CHANNEL_KINDS
-from .skies import Skies, read_skies, zenith_values
+from .skies import Skies, read_skies, without_gaps, zenith_values
 
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ def _colours(skies: Skies, kind: str, caller: str) -> Skies:
 
 
 def _with(skies, values, names, kind, caller, bands=None):
+    view, azimuth, values = without_gaps(skies.view_zenith, skies.relative_azimuth, values, caller)
     for name, value in zip(names, values, strict=True):
         bad = np.count_nonzero(~(np.isfinite(value) & (value > 0)))
         if bad:
@@ -75,8 +76,10 @@ def _with(skies, values, names, kind, caller, bands=None):
             )
     return dataclasses.replace(
         skies,
+        view_zenith=view,
+        relative_azimuth=azimuth,
         values=values,
-        zenith=zenith_values(skies.view_zenith, values),
+        zenith=zenith_values(view, values),
         channels=tuple(names),
         kind=kind,
         wavelengths=bands,

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._typing import as_float
 from ..angles import view_sun_angle
-from ..colour import spectrum_to_xyY
+from ..colour import D65_WHITE, spectrum_to_xyY
 from ..errors import InputError
 from ..models.basis import SUN
 from ..models.formula import CHANNELS
@@ -30,6 +30,9 @@ VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
 # Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
 SUN_DIMENSIONS = ("sun_zenith", "time")
 ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
+# View zenith of a direction without a value: neither fits nor errors look below the horizon.
+MISSING = np.pi  # rad
+WHITE = dict(zip(("x", "y"), D65_WHITE, strict=True))
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Skies:
     Attributes:
         swept: Value of every swept parameter for each sky, by name; empty if nothing was swept.
         sun_zenith: Zenith angle of the sun [rad].
-        view_zenith: Zenith angle of every view [rad].
+        view_zenith: Zenith angle of every view; `MISSING` where it has no value [rad].
         relative_azimuth: Azimuth of every view from the sun's [rad].
         values: Values of x, y, Y (in cd m⁻²), or of the channels named, all finite.
         zenith: Values at the zenith; None if no direction is the zenith.
@@ -133,15 +136,19 @@ _view_sun_angle = jax.jit(view_sun_angle)
 def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     """Put a dataset's skies in a row and check them.
 
+    Directions where a value or an angle is NaN are left out, sky by sky; in simulated skies, which
+    have none, it is refused.
+
     Args:
         data: Skies in the form of `skyfit.dataset`: `luminance`, `x`, `y` (or `radiance`, from
-            which they follow) over `direction` and the sky's dimensions; `view_zenith`,
-            `relative_azimuth`, `sun_zenith`, in radians.
+            which they follow; or `luminance` alone, which is given the colour of D65) over
+            `direction` and the sky's dimensions; `view_zenith`, `relative_azimuth`, `sun_zenith`,
+            in radians.
         caller: Name of the function whose argument `data` is, for messages.
 
     Raises:
-        ValueError: A variable is missing, the sun is below the horizon, or a value cannot be
-            fitted: NaN, infinite, or not above 0.
+        ValueError: A variable is missing, the sun is below the horizon, a sky has no value at all,
+            or a value cannot be fitted: infinite, or not above 0.
     """
     for name in ("view_zenith", "relative_azimuth", "sun_zenith"):
         if name not in data.variables:
@@ -174,6 +181,8 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     azimuth = row(data["relative_azimuth"], directions=True)
     sun = row(data["sun_zenith"], directions=False)
     values = np.stack([row(channels[name], directions=True) for name in CHANNELS])
+    if "campaign" not in data.attrs:  # of a simulation, which leaves nothing out
+        view, azimuth, values = without_gaps(view, azimuth, values, caller)
     _refuse_unfit(caller, sun, view, azimuth, values)
     return Skies(
         swept={name: row(data[name], directions=False) for name in swept},
@@ -192,14 +201,33 @@ def _channels(data: "xr.Dataset", caller: str) -> dict[str, "xr.DataArray"]:
     if not missing:
         return {channel: data[name] for channel, name in VARIABLES.items()}
     if "radiance" not in data.variables or "wavelength" not in data.variables:
+        if missing == list(WHITE):
+            light = data["luminance"]
+            return {"Y": light} | {name: light * 0 + white for name, white in WHITE.items()}
         raise InputError(
-            f"{caller}(data=...): expected the variables {list(VARIABLES.values())}, or radiance "
-            f"over wavelength; {missing} are missing"
+            f"{caller}(data=...): expected the variables {list(VARIABLES.values())}, luminance "
+            f"alone, or radiance over wavelength; {missing} are missing"
         )
     light = data["radiance"].transpose(..., "wavelength")
     xyY = np.asarray(spectrum_to_xyY(jnp.asarray(light.values), data["wavelength"].values))
     one = light.isel(wavelength=0, drop=True)
     return {channel: one.copy(data=xyY[..., k]) for k, channel in enumerate(CHANNELS)}
+
+
+def without_gaps(view, azimuth, values, caller):
+    """View, azimuth and values with `MISSING` views, and harmless values, where one is NaN."""
+    gone = np.isnan(view) | np.isnan(azimuth) | np.isnan(values).any(axis=0)
+    empty = int(gone.all(axis=1).sum())
+    if empty:
+        raise InputError(
+            f"{caller}(data=...): expected skies with a value somewhere; {empty} of {len(gone)} "
+            "have none"
+        )
+    if not gone.any():
+        return view, azimuth, values
+    filler = [np.median(channel[~gone]) for channel in values]
+    values = np.where(gone, np.reshape(filler, (-1, 1, 1)), values)
+    return np.where(gone, MISSING, view), np.where(gone, 0.0, azimuth), values
 
 
 def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
@@ -249,6 +277,8 @@ def zenith_values(
 
 
 def _solid_angles(view: Float[np.ndarray, " direction"]) -> Float[np.ndarray, " direction"]:
+    # What is missing has no share, and must not push the horizon down.
+    view = np.where(view == MISSING, np.pi / 2, view)
     rings, ring, count = np.unique(view, return_inverse=True, return_counts=True)
     edges = np.concatenate([[0.0], 0.5 * (rings[1:] + rings[:-1]), [max(np.pi / 2, rings[-1])]])
     return (-np.diff(np.cos(edges)) / count)[ring]

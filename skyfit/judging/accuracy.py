@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ..angles import as_zenith
 from ..campaign import PAPER_SUN_ZENITHS_DEG, PAPER_TURBIDITIES, paper_directions
 from ..errors import InputError
 from ..fitting import SkyFit
@@ -40,6 +41,7 @@ def shape_error(
     Raises:
         ValueError: A dataset has no zenith direction, or two have different skies.
     """
+    as_zenith(max_view_zenith, "shape_error(max_view_zenith=...)")
     tables = [read_skies(d, "shape_error") if _is_dataset(d) else None for d in (value, reference)]
     sampling = tables[1] or tables[0] or paper_skies(preetham_sky)
     shapes = [

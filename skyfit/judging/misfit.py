@@ -50,7 +50,7 @@ def misfits(
     """
     truth = dict(zip(skies.channels, skies.values, strict=True))
     truth |= dict(zip(table.channels, table.values, strict=True))
-    inside = skies.view_zenith <= max_view_zenith + 1e-6
+    inside = np.maximum(skies.view_zenith, table.view_zenith) <= max_view_zenith + 1e-6
     return {
         name: _misfit(
             [(v[name] - t, rows) for v, rows in parts],

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
-from ..angles import unit_vector
+from ..angles import as_sight, unit_vector
 from ..colour import rgb_to_xyz, xyz_to_xyY
 from ..models.base import AbstractSkyModel
 from ..models.directions import align
@@ -44,7 +44,7 @@ class MarchedSky(AbstractSkyModel):
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch 3"]:
         """Linear sRGB [cd m⁻²]; see `AbstractSkyModel.rgb`."""
-        angles = align(*map(as_float, (sun_zenith, view_zenith, relative_azimuth)))
+        angles = align(*as_sight(sun_zenith, view_zenith, relative_azimuth, "sky"))
         sun, view, azimuth = jnp.broadcast_arrays(*angles)
         toward = unit_vector(sun, jnp.zeros_like(sun))
         return self._look(unit_vector(view, azimuth), toward)

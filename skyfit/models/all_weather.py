@@ -29,8 +29,15 @@ from .twilight import daytime_sun
 SOLAR_CONSTANT = 1367.0  # W m^-2; Perez et al. (1990)
 CLEARNESS_RANGE, BRIGHTNESS_RANGE = (1.0, 12.0), (0.01, 0.6)
 PRECIPITABLE_WATER = 2.0  # cm
+# The least light of a clear sky at sunset, from where twilight falls; see `skyfit.models.base`.
+SUNSET_ILLUMINANCE = 600.0  # lx
+# A pyranometer reads that far below 0 by night; lower numbers stand for something else.
+LARGEST_OFFSET = 30.0  # W m^-2
 # Between these clearnesses Δ counts as 0.2 at least: the authors' advice, against odd shapes.
 HESITANT_CLEARNESS, LEAST_BRIGHTNESS = (1.065, 2.8), 0.2
+# Between these it counts as that times cos Z at least: below, the fit is negative over most of a
+# dome under a high sun, and all the light comes from a spot.
+BROKEN_CLEARNESS, LEAST_UNDER_ZENITH = (2.8, 4.5), 0.1
 
 
 class AbstractWeather(eqx.Module):
@@ -48,7 +55,10 @@ class MeasuredWeather(AbstractWeather):
         """Irradiance for a sun above the horizon or on it."""
         flat = jnp.zeros_like(sun_zenith)
         direct, diffuse = parameters["direct_normal"], parameters["diffuse_horizontal"]
-        return Irradiance(*jnp.broadcast_arrays(direct + flat, diffuse + flat))
+        # With one of them missing there is no telling what the sky was like.
+        missing = jnp.isnan(direct + diffuse)
+        given = (jnp.where(missing, jnp.nan, value) + flat for value in (direct, diffuse))
+        return Irradiance(*jnp.broadcast_arrays(*given))
 
 
 class ClearWeather(AbstractWeather):
@@ -83,9 +93,11 @@ class DiffuseIlluminance(AbstractQuantity):
 
     Attributes:
         weather: Where the irradiance comes from.
+        least: What it does not fall below by day [lx].
     """
 
     weather: AbstractWeather
+    least: float = eqx.field(static=True, default=0.0)
 
     def __call__(
         self, sun_zenith: Float[Array, "..."], parameters: Parameters
@@ -93,7 +105,8 @@ class DiffuseIlluminance(AbstractQuantity):
         """Illuminance [lx]."""
         irradiance = self.weather(sun_zenith, parameters)
         clearness, brightness = sky_conditions(irradiance, sun_zenith, _top(parameters))
-        return irradiance.diffuse_horizontal * diffuse_efficacy(clearness, brightness, sun_zenith)
+        efficacy = diffuse_efficacy(clearness, brightness, sun_zenith)
+        return jnp.maximum(irradiance.diffuse_horizontal * efficacy, self.least)
 
 
 def perez_all_weather_sky(
@@ -104,6 +117,9 @@ def perez_all_weather_sky(
 ) -> LuminanceSky:
     """The sky under a measured irradiance, clear or cloudy; D65 in colour.
 
+    A year of measurements may be given as it is: without diffuse light the sky is black, an offset
+    below 0 is none, and where one of the two is NaN the sky is.
+
     Args:
         direct_normal: The sun's irradiance on a plane that faces it, the whole spectrum [W m⁻²].
         diffuse_horizontal: The sky's without its sun on a horizontal plane [W m⁻²]. Arrays
@@ -111,19 +127,20 @@ def perez_all_weather_sky(
         extraterrestrial: The sun's irradiance above the air that day, normal to it [W m⁻²].
 
     Raises:
-        InputError: An irradiance below 0 or above the solar constant; no diffuse light.
+        InputError: An irradiance above the solar constant, or further below 0 than the offset of
+            an instrument by night, 30 W/m².
     """
-    direct = check(
-        as_float(direct_normal),
-        lambda v: ~((v >= 0) & (v <= SOLAR_CONSTANT)),
-        f"perez_all_weather_sky(direct_normal=...) must lie in 0 to {SOLAR_CONSTANT:.0f} W/m²",
-    )
-    diffuse = check(
-        as_float(diffuse_horizontal),
-        lambda v: ~((v > 0) & (v <= SOLAR_CONSTANT)),
-        f"perez_all_weather_sky(diffuse_horizontal=...) must be above 0, to "
-        f"{SOLAR_CONSTANT:.0f} W/m²",
-    )
+    direct, diffuse = (
+        check(
+            as_float(value),
+            lambda v: (v < -LARGEST_OFFSET) | (v > SOLAR_CONSTANT),
+            f"perez_all_weather_sky({name}=...) must lie in 0 to {SOLAR_CONSTANT:.0f} W/m², or be "
+            "NaN where it is missing",
+        )
+        for name, value in (
+            ("direct_normal", direct_normal), ("diffuse_horizontal", diffuse_horizontal)
+        )
+    )  # fmt: skip
     parameters = {"direct_normal": direct, "diffuse_horizontal": diffuse}
     ranges = tuple((name, (0.0, SOLAR_CONSTANT)) for name in parameters)
     parameters["extraterrestrial"] = check(
@@ -131,11 +148,14 @@ def perez_all_weather_sky(
         lambda v: ~((v > 0) & (v < np.inf)),
         "perez_all_weather_sky(extraterrestrial=...) must be above 0",
     )
-    return _sky(parameters, MeasuredWeather(), ranges)
+    return _sky(parameters, DiffuseIlluminance(MeasuredWeather()), ranges)
 
 
 def perez_clear_sky(turbidity: ArrayLike) -> LuminanceSky:
     """The all-weather sky under the clear-sky irradiance of `skyfit.sun.clear_sky_irradiance`.
+
+    That irradiance ends with the day; the light of the sky on the ground is held at 600 lx or
+    more while the sun is up, from where it dims as all skies do.
 
     Args:
         turbidity: T; an array broadcasts against the angles. Held to 1.9 to 10.
@@ -146,14 +166,15 @@ def perez_clear_sky(turbidity: ArrayLike) -> LuminanceSky:
     argument = "perez_clear_sky(turbidity=...)"
     value = check(as_float(turbidity), lambda v: ~(v >= 1), f"{argument} must be 1 or more")
     warn_outside(value, TURBIDITY_RANGE, argument)
-    return _sky({"turbidity": value}, ClearWeather(), (("turbidity", TURBIDITY_RANGE),))
+    illuminance = DiffuseIlluminance(ClearWeather(), SUNSET_ILLUMINANCE)
+    return _sky({"turbidity": value}, illuminance, (("turbidity", TURBIDITY_RANGE),))
 
 
-def _sky(parameters, weather, ranges):
+def _sky(parameters, illuminance, ranges):
     return LuminanceSky(
         parameters=parameters,
-        distribution=AllWeather(weather),
-        level=ByIlluminance(DiffuseIlluminance(weather)),
+        distribution=AllWeather(illuminance.weather),
+        level=ByIlluminance(illuminance),
         chromaticity=ConstantChromaticity(),
         ranges=ranges,
     )
@@ -194,7 +215,9 @@ def all_weather_coefficients(
     """
     low, high = HESITANT_CLEARNESS
     hesitant = (clearness > low) & (clearness < high)
-    delta = jnp.where(hesitant, jnp.maximum(brightness, LEAST_BRIGHTNESS), brightness)
+    broken = (clearness >= BROKEN_CLEARNESS[0]) & (clearness < BROKEN_CLEARNESS[1])
+    under_sun = jnp.where(broken, LEAST_UNDER_ZENITH * jnp.cos(sun_zenith), 0.0)
+    delta = jnp.maximum(brightness, jnp.where(hesitant, LEAST_BRIGHTNESS, under_sun))
     rows = _chosen("perez1993_sky_luminance", clearness)
     z, k = sun_zenith, rows.reshape(5, 4, *rows.shape[1:])
     a, b, c, d, e = (row[0] + row[1] * z + delta * (row[2] + row[3] * z) for row in k)

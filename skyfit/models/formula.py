@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
-from ..angles import view_sun_angle
+from ..angles import as_sight, as_zenith, view_sun_angle
 from ..colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz, xyz_to_xyY
 from ..spectrum import linear_in_wavelength
 from .base import AbstractSkyModel
@@ -73,19 +73,19 @@ class FormulaSky(AbstractSkyModel):
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch channel"]:
         """Values of the fitted channels themselves; arguments as `xyY`."""
-        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
+        angles = as_sight(sun_zenith, view_zenith, relative_azimuth, "sky")
         return _by_angles(self, *angles, over_zenith=False)
 
     def relative(
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch channel"]:
         """F(θ, γ) / F(0, θₛ) of every channel: each value over the zenith's. Arguments as `xyY`."""
-        angles = as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth)
+        angles = as_sight(sun_zenith, view_zenith, relative_azimuth, "sky")
         return _by_angles(self, *angles, over_zenith=True)
 
     def coefficients(self, sun_zenith: ArrayLike) -> Float[Array, "channel coefficient *batch"]:
         """Coefficients of the distribution in every channel, at the model's parameters and suns."""
-        sun, *swept = align(as_float(sun_zenith), *self.swept.values())
+        sun, *swept = align(as_zenith(sun_zenith, "sky(sun_zenith=...)"), *self.swept.values())
         return self._coefficients(
             self._held(dict(zip(self.swept, swept, strict=True))) | {SUN: sun}
         )

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, Scalar, as_float, as_parameter, as_scalar, check
-from ..angles import view_sun_angle
+from ..angles import as_sight, as_zenith, view_sun_angle
 from ..colour import rgb_to_xyz, spectrum_to_xyz, xyz_to_rgb, xyz_to_xyY
 from ..errors import InputError
 from ..phase import HenyeyGreenstein, Rayleigh
@@ -82,7 +82,7 @@ class HoffmanPreethamSky(AbstractSkyModel):
         Args:
             sun_zenith: Below the horizon it dims as the sky models do [rad].
         """
-        return _sunlight(self, as_float(sun_zenith))
+        return _sunlight(self, as_zenith(sun_zenith, "sunlight(sun_zenith=...)"))
 
     def scattered(
         self, cos_gamma: Float[Array, "*batch"]
@@ -97,7 +97,7 @@ class HoffmanPreethamSky(AbstractSkyModel):
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch 3"]:
         """Linear sRGB [cd m⁻²]; see `AbstractSkyModel.rgb`."""
-        sun, view, azimuth = align(*map(as_float, (sun_zenith, view_zenith, relative_azimuth)))
+        sun, view, azimuth = align(*as_sight(sun_zenith, view_zenith, relative_azimuth, "sky"))
         return _sky(self, sun, view, view_sun_angle(view, sun, azimuth))
 
     def xyY(

@@ -78,14 +78,17 @@ class ByIlluminance(AbstractLevel):
     ) -> Float[Array, "..."]:
         """Luminance [cd m⁻²] where the distribution is 1; never negative."""
         light = jnp.maximum(self.illuminance(daytime_sun(sun_zenith), parameters), 0.0)
-        return dimming(sun_zenith) * light / on_the_ground(distribution, sun_zenith, parameters)
+        ground = on_the_ground(distribution, sun_zenith, parameters)
+        # A distribution that is nowhere above 0 leaves the sky black.
+        some = ~(ground <= 0)
+        return dimming(sun_zenith) * jnp.where(some, light / jnp.where(some, ground, 1.0), 0.0)
 
 
 @eqx.filter_jit
 def on_the_ground(
     distribution: AbstractLuminanceForm, sun_zenith: Float[Array, "..."], parameters: Parameters
 ) -> Float[Array, "..."]:
-    """Integral of a distribution times cos θ over the upper hemisphere."""
+    """Integral of a distribution, cut off at 0 as skies are, times cos θ over the hemisphere."""
     # cos θ dω is half of d(cos²θ) dφ; the two halves of the sky are alike.
     x, w = np.polynomial.legendre.leggauss(ZENITH_NODES)
     cosines = jnp.asarray(np.sqrt(0.5 + 0.5 * x), sun_zenith.dtype)
@@ -104,7 +107,7 @@ def on_the_ground(
         gamma = jnp.arctan2(jnp.sqrt(square), cos_gamma)
         ones = jnp.ones_like(cos_gamma)
         sight = Sight(angle * ones, cosine * ones, gamma, cos_gamma, sun * ones)
-        return total + weight * distribution(sight, held).sum(axis=-1), None
+        return total + weight * jnp.maximum(distribution(sight, held), 0.0).sum(axis=-1), None
 
     start = jnp.zeros(
         jnp.broadcast_shapes(sun_zenith.shape, *(value.shape for value in parameters.values())),

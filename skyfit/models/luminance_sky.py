@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float
-from ..angles import view_sun_angle
+from ..angles import as_sight, view_sun_angle
 from ..colour import D65_WHITE, xyY_to_xyz
 from .base import AbstractSkyModel
 from .directions import align, angle_between, components
@@ -94,7 +94,7 @@ class LuminanceSky(AbstractSkyModel):
         self, sun_zenith: ArrayLike, view_zenith: ArrayLike, relative_azimuth: ArrayLike
     ) -> Float[Array, "*batch 3"]:
         """Chromaticity x, y and luminance Y [cd m⁻²]; see `AbstractSkyModel.xyY`."""
-        return _xyY(self, as_float(sun_zenith), as_float(view_zenith), as_float(relative_azimuth))
+        return _xyY(self, *as_sight(sun_zenith, view_zenith, relative_azimuth, "sky"))
 
     def xyz(self, direction: ArrayLike, sun_direction: ArrayLike) -> Float[Array, "*batch 3"]:
         """CIE XYZ [cd m⁻²] for unit vectors, z up; see `AbstractSkyModel.xyz`."""

@@ -20,11 +20,13 @@ from .elevation_files import (
 )
 from .files import PRECISIONS as PRECISIONS, check_target as check_target
 from .frames import frames_directory as frames_directory
+from .photographs import read_fisheye as read_fisheye
 from .picture import (
     Picture as Picture,
     horizontal_irradiance as horizontal_irradiance,
     render as render,
 )
+from .read_pictures import read_picture as read_picture
 from .recorded import RecordedSource as RecordedSource, select_sky as select_sky
 from .simulated import SimulatedSource as SimulatedSource
 from .source_files import load_source as load_source, sun_of as sun_of

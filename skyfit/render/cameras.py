@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..angles import as_azimuth, as_view_zenith
 from ..errors import InputError
 
 
@@ -91,6 +92,7 @@ class Fisheye(AbstractCamera):
                 "Fisheye(projection=...): expected 'equidistant' or 'equal-area'; "
                 f"got {self.projection!r}"
             )
+        as_azimuth(self.top, "Fisheye(top=...)")
 
     @property
     def shape(self):  # noqa: D102
@@ -138,6 +140,7 @@ class Panorama(AbstractCamera):
     def __post_init__(self):
         """Refuse impossible sizes."""
         _check_pixels("Panorama(height=...)", self.height)
+        as_azimuth(self.centre, "Panorama(centre=...)")
 
     @property
     def shape(self):  # noqa: D102
@@ -181,6 +184,8 @@ class Perspective(AbstractCamera):
         """Refuse impossible sizes."""
         _check_pixels("Perspective(width=...)", self.width)
         _check_pixels("Perspective(height=...)", self.height)
+        as_azimuth(self.azimuth, "Perspective(azimuth=...)")
+        as_view_zenith(self.elevation, "Perspective(elevation=...)")
         if not 0 < self.field_of_view < np.pi:
             raise InputError(
                 "Perspective(field_of_view=...): expected 0 to pi rad; "

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..angles import as_azimuth, as_zenith
 from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
 from ..errors import InputError
@@ -140,6 +141,7 @@ def render(
         raise InputError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
     if not np.isfinite(sun_azimuth):
         raise InputError(f"render(sun_azimuth=...): expected a number; got {sun_azimuth}")
+    as_azimuth(sun_azimuth, "render(sun_azimuth=...)")
     albedo = source.ground_albedo if ground_albedo is None else ground_albedo
     if not 0 <= albedo <= 1:
         raise InputError(f"render(ground_albedo=...): expected 0 to 1; got {albedo:.6g}")
@@ -187,6 +189,8 @@ def horizontal_irradiance(
     source: AbstractSource, sun_zenith: float, sun_azimuth: float
 ) -> Float[np.ndarray, " 3"]:
     """What a sky without its sun sends onto the ground: XYZ, whose Y is the illuminance [lx]."""
+    as_zenith(sun_zenith, "horizontal_irradiance(sun_zenith=...)")
+    as_azimuth(sun_azimuth, "horizontal_irradiance(sun_azimuth=...)")
     # Gauss nodes in cos²θ, whose differential is the cosine-weighted solid angle.
     x, w = np.polynomial.legendre.leggauss(32)
     zenith = np.arccos(np.sqrt((x + 1) / 2))

@@ -8,7 +8,7 @@ import xarray as xr
 from jaxtyping import Float
 from scipy.interpolate import RBFInterpolator
 
-from ..colour import xyY_to_xyz
+from ..colour import D65_WHITE, xyY_to_xyz
 from ..errors import InputError
 from .cameras import direction_of
 from .half_dome import grid_axes, on_dome
@@ -30,13 +30,16 @@ class RecordedSource(AbstractSource):
 
     Args:
         sky: One sky: `luminance`, `x`, `y` over `direction`, with `view_zenith`,
-            `relative_azimuth`, and a scalar `sun_zenith`; directions with `reliable` false are
-            left out.
+            `relative_azimuth`, and a scalar `sun_zenith`; directions with `reliable` false, or
+            where a value is NaN, are left out. Without `x` and `y` it is white, as D65 is.
         name: Name of the sky.
         turbidity: Turbidity of the air before the sun; None if unknown.
     """
 
     def __init__(self, sky: xr.Dataset, name: str, turbidity: float | None = None):
+        if "luminance" in sky and not {"x", "y"} & set(sky.variables):
+            x, y = D65_WHITE
+            sky = sky.assign(x=0 * sky["luminance"] + x, y=0 * sky["luminance"] + y)
         for needed in _NEEDED:
             if needed not in sky.variables:
                 raise InputError(f"{name}: {needed} is missing")
@@ -44,6 +47,11 @@ class RecordedSource(AbstractSource):
             raise InputError(f"{name}: expected one sky; got dimensions {sky['luminance'].dims}")
         if "reliable" in sky:
             sky = sky.isel(direction=np.flatnonzero(sky["reliable"].values))
+        parts = [sky[needed].values for needed in _NEEDED[:-1]]
+        known = ~np.isnan(parts).any(axis=0)
+        if not known.any():
+            raise InputError(f"{name}: expected a value in some direction; all are NaN")
+        sky = sky.isel(direction=np.flatnonzero(known))
         self.sky, self.name, self.turbidity = sky, name, turbidity
         self.sun_zenith = float(sky["sun_zenith"])
 

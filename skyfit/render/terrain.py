@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from .._progress import Progress
 from .._typing import Scalar
 from ..aerial import AerialPerspective
+from ..angles import as_azimuth, as_zenith
 from ..colour import srgb_matrix
 from ..constants import SUN_SOLID_ANGLE
 from ..errors import InputError
@@ -104,6 +105,8 @@ def render_terrain(
         got = type(air).__name__
         raise InputError(f"render_terrain(shafts=...): expected an AerialPerspective; got {got}")
     shadow = None
+    as_zenith(sun_zenith, "render_terrain(sun_zenith=...)")
+    as_azimuth(sun_azimuth, "render_terrain(sun_azimuth=...)")
     if shafts and sun_disc and sun_zenith < np.pi / 2:
         shadow = cast_shadow(elevation, sun_zenith, sun_azimuth)
     if isinstance(air, eqx.Module):

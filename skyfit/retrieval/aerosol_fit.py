@@ -12,7 +12,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._typing import ArrayLike, as_float
 from ..atmosphere import Atmosphere
@@ -48,6 +48,7 @@ class _Case(eqx.Module):
     view: Float[Array, "sky direction"]
     azimuth: Float[Array, "sky direction"]
     measured: Float[Array, "sky direction wavelength"]
+    seen: Bool[Array, "sky direction wavelength"]
     place: int = eqx.field(static=True)
     orders: int | None = eqx.field(static=True)
     quality: str | Quality = eqx.field(static=True)
@@ -102,7 +103,7 @@ def fit_aerosol(
 
     Args:
         skies: Skies in the form of `skyfit.dataset`, with `radiance` over time (or suns),
-            direction and wavelength; unreliable directions left out.
+            direction and wavelength; NaN is left out.
         campaign: Campaign of a file, nothing swept; its suns and directions do not matter.
         aerosol: Name of its constituent of kind "angstrom_aerosol", given by `angstrom_beta`.
         wavelengths: Wavelengths at which the skies are compared, within theirs [nm].
@@ -121,10 +122,19 @@ def fit_aerosol(
             raise InputError(f"fit_aerosol(skies=...): expected a variable {name!r}")
     lam = np.atleast_1d(np.asarray(wavelengths, float))
     light = skies["radiance"].interp(wavelength=lam).transpose(..., "direction", "wavelength")
-    if not np.isfinite(light.values).all():
+    known = skies["wavelength"].values
+    if lam.min() < known.min() or lam.max() > known.max() or np.isinf(light.values).any():
         raise InputError("fit_aerosol(wavelengths=...): expected them within those of the skies")
     one = light.isel(wavelength=0, drop=True)
     shape = (-1, light.sizes["direction"])
+    view, azimuth = (
+        skies[name].broadcast_like(one).values.reshape(shape)
+        for name in ("view_zenith", "relative_azimuth")
+    )
+    measured = light.values.reshape(*shape, lam.size)
+    seen = ~(np.isnan(measured) | np.isnan(view + azimuth)[..., None])
+    if not seen.any():
+        raise InputError("fit_aerosol(skies=...): expected radiance somewhere; all of it is NaN")
     atmosphere = dataclasses.replace(campaign, wavelengths=lam).build_atmosphere(np.nan)
     parts = description["constituents"]
     place = [part["name"] for part in parts].index(aerosol)
@@ -134,25 +144,27 @@ def fit_aerosol(
         atmosphere=atmosphere,
         column=atmosphere.vertical_column()[place],
         sun=as_float(skies["sun_zenith"].broadcast_like(one.isel(direction=0)).values.ravel()),
-        view=as_float(skies["view_zenith"].broadcast_like(one).values.reshape(shape)),
-        azimuth=as_float(skies["relative_azimuth"].broadcast_like(one).values.reshape(shape)),
-        measured=as_float(light.values.reshape(*shape, lam.size)),
+        view=as_float(np.nan_to_num(view)),
+        azimuth=as_float(np.nan_to_num(azimuth)),
+        measured=as_float(np.where(seen, measured, 0.0)),
+        seen=jnp.asarray(seen),
         place=place,
         orders=orders,
         quality=quality,
     )
     free = _free(start)
     found = _solve(free, case, max_steps)
-    variance = 2 * float(found.loss) / max(case.measured.size - len(NUMBERS), 1)
+    count = int(seen.sum())
+    variance = 2 * float(found.loss) / max(count - len(NUMBERS), 1)
     numbers, change = _values(found.free), np.asarray(jax.jacfwd(_value_row)(found.free), float)
     spread = change @ np.linalg.pinv(np.asarray(found.gram, float)) @ change.T
-    scale = float(jnp.sqrt(jnp.mean(case.measured**2)))
+    scale = float(_scale(case))
     return AerosolFit(
         values=numbers,
         standard_errors=dict(
             zip(NUMBERS, np.sqrt(variance * np.diag(spread)).tolist(), strict=True)
         ),
-        rmse=scale * float(np.sqrt(2 * found.loss / case.measured.size)),
+        rmse=scale * float(np.sqrt(2 * found.loss / count)),
         steps=found.steps,
         converged=found.converged,
     )
@@ -243,8 +255,12 @@ def _residuals(free, case: _Case):
         orders=case.orders,
         quality=case.quality,
     )
-    scale = jnp.sqrt(jnp.mean(case.measured**2))
-    return ((sky.radiance - case.measured) / scale).ravel()
+    return jnp.where(case.seen, (sky.radiance - case.measured) / _scale(case), 0.0).ravel()
+
+
+def _scale(case: _Case):
+    """Root mean square of the measured radiance."""
+    return jnp.sqrt(jnp.mean(case.measured**2, where=case.seen))
 
 
 class _Solution(NamedTuple):

@@ -10,3 +10,4 @@ from .light import (
     sunlight as sunlight,
 )
 from .position import SunPosition as SunPosition, sun_position as sun_position
+from .times import sun_at as sun_at, sun_table as sun_table

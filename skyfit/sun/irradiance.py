@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
+from ..angles import as_zenith
 from .light import ANGSTROM_COEFFICIENT, ANGSTROM_EXPONENT, air_mass, visible_fraction
 
 
@@ -41,7 +42,7 @@ def clear_sky_irradiance(
         ground_albedo: Albedo of the ground, which lights the sky from below.
 
     Raises:
-        InputError: Turbidity below 1 or NaN.
+        InputError: Turbidity below 1 or NaN; an angle out of its range.
 
     Source: Bird & Hulstrom (1981), "A simplified clear sky model for direct and diffuse insolation
     on horizontal surfaces", SERI/TR-642-761.
@@ -51,7 +52,8 @@ def clear_sky_irradiance(
         lambda v: ~(v >= 1),
         "clear_sky_irradiance(turbidity=...) must be 1 or more",
     )
-    given = (value, as_float(sun_zenith), as_float(ground_albedo))
+    sun = as_zenith(sun_zenith, "clear_sky_irradiance(sun_zenith=...)")
+    given = (value, sun, as_float(ground_albedo))
     return bird(*jnp.broadcast_arrays(*given))
 
 

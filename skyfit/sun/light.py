@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, as_wavelengths, check
+from ..angles import as_zenith
 from ..colour import spectrum_to_xyY
 from ..constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
 from ..preetham_air import OZONE_AMOUNT, PAPER_WAVELENGTHS, table2
@@ -43,7 +44,7 @@ def sunlight(
 
     Args:
         turbidity: Turbidity T, 1 or more; sets the haze by Ångström's formula.
-        sun_zenith: Zenith angle of the centre of the disc; any [rad].
+        sun_zenith: Zenith angle of the centre of the disc, 0 to π [rad].
         wavelengths: Wavelengths on one axis; table 2's are held beyond 380 and 780 nm [nm].
         ozone: Amount of ozone at normal temperature and pressure [m].
         water_vapour: Precipitable water [m].
@@ -54,14 +55,15 @@ def sunlight(
         Wavelength last [W m⁻² sr⁻¹ nm⁻¹].
 
     Raises:
-        InputError: Turbidity below 1 or NaN; a distance outside 0 to 1; wavelengths that do not
-            increase.
+        InputError: Turbidity below 1 or NaN; an angle or distance out of its range; wavelengths
+            that do not increase.
     """
     lam = as_wavelengths(wavelengths, "sunlight(wavelengths=...)")
     haze = check(
         as_float(turbidity), lambda v: ~(v >= 1), "sunlight(turbidity=...) must be 1 or more"
     )
-    given = [haze, *(as_float(value) for value in (sun_zenith, ozone, water_vapour))]
+    sun = as_zenith(sun_zenith, "sunlight(sun_zenith=...)")
+    given = [haze, sun, *(as_float(value) for value in (ozone, water_vapour))]
     if distance_from_centre is not None:
         distance = check(
             as_float(distance_from_centre),

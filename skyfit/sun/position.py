@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, check
+from ..angles import as_azimuth
 from ..errors import InputError
 from . import almanac
 
@@ -60,7 +61,8 @@ def sun_position(
         taken as 0.
 
     Raises:
-        InputError: A latitude or day out of range; an unknown method; a year missing or not used.
+        InputError: A latitude, longitude or day out of range; an unknown method; a year missing or
+            not used.
     """
     if method not in METHODS:
         raise InputError(f"sun_position(method=...): expected one of {METHODS}; got {method!r}")
@@ -77,7 +79,11 @@ def sun_position(
         lambda v: ~((v >= 1) & (v < 367)),
         "sun_position(day_of_year=...) must lie in 1 to 366",
     )
-    others = [longitude, standard_meridian, standard_time] + ([] if year is None else [year])
+    east = [
+        as_azimuth(longitude, "sun_position(longitude=...)"),
+        as_azimuth(standard_meridian, "sun_position(standard_meridian=...)"),
+    ]
+    others = [*east, standard_time] + ([] if year is None else [year])
     given = jnp.broadcast_arrays(lat, day, *(as_float(other) for other in others))
     return _from_paper(*given) if year is None else _from_almanac(*given)
 

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_scalar
+from ..angles import as_zenith
 from ..colour import xyY_to_xyz
 from ..errors import InputError
 from ..models import AbstractSkyModel
@@ -97,7 +98,8 @@ def sky_dome(
     Raises:
         InputError: More than one sun; a grid of less than two rings or four directions.
     """
-    sun = as_scalar(sun_zenith, "sky_dome(sun_zenith=...)")
+    argument = "sky_dome(sun_zenith=...)"
+    sun = as_zenith(as_scalar(sun_zenith, argument), argument)
     if zeniths < 2 or azimuths < 4:
         raise InputError(
             f"sky_dome(zeniths=..., azimuths=...): expected 2 and 4 or more; got {zeniths}, "

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._typing import ArrayLike, as_float, as_scalar
-from ..angles import cos_view_sun_angle, unit_vector
+from ..angles import as_azimuth, as_view_zenith, cos_view_sun_angle, unit_vector
 from ..colour import xyY_to_xyz
 from ..constants import SUN_SOLID_ANGLE
 from ..sun import sun_irradiance, sun_xyY
@@ -57,8 +57,14 @@ def plane_light(
         sun: What the sun's disc puts on a plane that faces it, per channel (`sun_light`); without
             it the disc is left out.
         ground_albedo: Albedo of an even, diffusing ground, lit by sky and sun.
+
+    Raises:
+        InputError: An angle out of its range.
     """
-    tilt, azimuth = jnp.broadcast_arrays(as_float(tilt), as_float(azimuth))
+    tilt, azimuth = jnp.broadcast_arrays(
+        as_view_zenith(tilt, "plane_light(tilt=...)"),
+        as_azimuth(azimuth, "plane_light(azimuth=...)"),
+    )
     normal = unit_vector(tilt, azimuth)
     facing = jnp.maximum(jnp.einsum("zac,...c->...za", dome.directions, normal), 0.0)
     sky = jnp.einsum("...za,z,zac->...c", facing, dome.solid_angle, dome.light)

@@ -4,7 +4,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from .._typing import ArrayLike, as_float, as_scalar
+from .._typing import ArrayLike, as_float, as_scalar, is_traced
+from ..angles import as_azimuth, as_zenith
 from ..errors import InputError
 from .dome import AZIMUTHS, ZENITHS, Dome, dome_grid
 
@@ -21,8 +22,9 @@ def sampled_dome(
     """The light of a sky that is known in some directions.
 
     Between them it is linear in the plane whose polar coordinates are zenith angle and azimuth, by
-    triangles; below the lowest directions it is held constant. Directions on one side of the sun's
-    plane are mirrored. The result is linear in `light` and differentiable with respect to it.
+    triangles; below the lowest directions it is held constant. Directions without a value, NaN, are
+    left out, those on one side of the sun's plane mirrored. The result is linear
+    in `light` and differentiable with respect to it.
 
     From the 343 directions of `skyfit.Campaign` the light of the published sky comes out within
     0.4 % on the ground and on walls; 1.5 % where a low sun has the broadest corona of the CIE's.
@@ -40,7 +42,9 @@ def sampled_dome(
     Raises:
         InputError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
     """
-    sun = as_scalar(sun_zenith, "sampled_dome(sun_zenith=...)")
+    argument = "sampled_dome(sun_zenith=...)"
+    sun = as_zenith(as_scalar(sun_zenith, argument), argument)
+    as_azimuth(relative_azimuth, "sampled_dome(relative_azimuth=...)")
     view, azimuth = (np.asarray(a, float) for a in (view_zenith, relative_azimuth))
     values = as_float(light)
     if view.ndim != 1 or view.shape != azimuth.shape or values.shape[:1] != view.shape:
@@ -48,6 +52,10 @@ def sampled_dome(
             "sampled_dome: expected one direction in view_zenith, relative_azimuth and light for "
             f"each; got shapes {view.shape}, {azimuth.shape} and {values.shape}"
         )
+    known = np.isfinite(view) & np.isfinite(azimuth)
+    if values.ndim == 2 and not is_traced(values):
+        known &= ~np.isnan(np.asarray(values)).any(axis=1)
+    view, azimuth, values = view[known], azimuth[known], values[np.flatnonzero(known)]
     if values.ndim != 2 or view.size < 4:
         raise InputError(
             "sampled_dome(light=...): expected 4 directions or more by one or more channels; got "

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Bool, Float
 
 from .._typing import as_float, check, is_traced
+from ..angles import as_azimuth
 from ..atmosphere import Atmosphere
 from ..errors import InputError
 from .line_classes import orders_with_bands
@@ -193,7 +194,8 @@ def _sky(
         raise InputError(f"simulate(program=...): expected one of {PROGRAMS}; got {program!r}")
     sun = _checked(sun_zenith, "sun_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
     view = _checked(view_zenith, "view_zenith", "must lie in [0, pi] rad", 0.0, np.pi)
-    azimuth = _checked(relative_azimuth, "relative_azimuth", "must be finite, in rad")
+    azimuth = as_azimuth(relative_azimuth, "simulate(relative_azimuth=...)")
+    azimuth = _checked(azimuth, "relative_azimuth", "must be finite, in rad")
     altitude = _checked(observer_altitude, "observer_altitude", "must be 0 m or more", 0.0)
     if program == "day":
         sun = _checked(sun, "sun_zenith", "must lie in [0, 86 degrees] by day", 0.0, LOW_SUN)

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._typing import ArrayLike
 from ...atmosphere import Constituent
 from ...errors import InputError
 from ...phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
@@ -106,7 +107,28 @@ def _optics(part: Part, wavelengths: Wavelengths) -> Optics:
     if "phase" not in part:
         return Optics(extinction, albedo, _lobe(part, wavelengths))
     table = part["phase"]
-    return Optics(extinction, albedo, Tabulated(np.radians(table["angle_deg"]), table["value"]))
+    angle = np.radians(table["angle_deg"])
+    if "wavelength_nm" in table:
+        phase = phase_between(angle, table["wavelength_nm"], table["value"], wavelengths)
+    else:
+        phase = Tabulated(angle, table["value"])
+    return Optics(extinction, albedo, phase)
+
+
+def phase_between(
+    angle: ArrayLike, nodes: ArrayLike, value: ArrayLike, wavelengths: Wavelengths
+) -> Tabulated:
+    """Phase functions known at some wavelengths, linear in between and held beyond.
+
+    Args:
+        angle: Scattering angles, increasing [rad].
+        nodes: Wavelengths at which they are known, increasing [nm].
+        value: Values above 0 at each angle, a row for each of these; any factor.
+        wavelengths: Wavelengths of the result [nm].
+    """
+    known = Tabulated(angle, np.asarray(value, float).T)
+    known_at, rows = np.asarray(nodes, float), np.exp(np.asarray(known.log_value, float))
+    return Tabulated(angle, np.stack([np.interp(wavelengths, known_at, row) for row in rows]))
 
 
 def _lobe(part: Part, wavelengths: Wavelengths) -> AbstractPhaseFunction:

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ...errors import InputError
-from .numbers import AboveZero, Number, ZeroOrMore, over, spectral
+from .numbers import AboveZero, Number, ZeroOrMore, rows_over, spectral
 from .parts import (
     Air,
     Gas,
@@ -145,7 +145,9 @@ class TableAerosol(Lobed):
     kind: Literal["table_aerosol"]
     extinction: Annotated[Any, spectral(0.0, np.inf, "1/m")]
     single_scattering_albedo: Annotated[Any, spectral(0.0, 1.0)] = 1.0
-    phase: Annotated[Any, over("angle_deg", "value", _phase_table)] | None = None
+    phase: Annotated[Any, rows_over("angle_deg", "value", "wavelength_nm", _phase_table)] | None = (
+        None
+    )
 
     @model_validator(mode="after")
     def _complete(self) -> "TableAerosol":

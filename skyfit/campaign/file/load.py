@@ -79,7 +79,7 @@ def load_atmosphere(
 def _read(path: str | PathLike[str]) -> File:
     with open(path, "rb") as file:
         try:
-            content = tomllib.load(file)
+            content = tomllib.loads(file.read().decode("utf-8-sig"))
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise InputError(f"not a TOML file: {error}") from None
     return File.model_validate(content, context={"folder": str(Path(path).parent)})

@@ -1,6 +1,5 @@
 """Numbers, lists of numbers, spectra and choices of campaign files."""
 
-import csv
 import itertools
 import math
 from collections.abc import Callable
@@ -11,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from ...errors import InputError
+from ...tables import read_columns
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -129,10 +129,39 @@ def over(first: str, second: str, check: Callable[[Any], Any]) -> BeforeValidato
     return BeforeValidator(validate)
 
 
+def rows_over(first: str, second: str, by: str, check: Callable[[Any], Any]) -> BeforeValidator:
+    """For an annotation: as `over`, or with a row of the second column for each value of another.
+
+    Args:
+        first: The column that increases.
+        second: The other; with `by`, a list of as many. A CSV file has a column for each, and
+            `column` is the list of their names.
+        by: What the rows differ by, increasing too.
+        check: Given the columns as a dictionary; returns it or raises.
+    """
+    plain: Any = over(first, second, check).func
+
+    def validate(given: Any, info: Any) -> Any:
+        if not isinstance(given, dict) or by not in given:
+            return plain(given, info)
+        nodes, rest = expand(given[by]), {key: v for key, v in given.items() if key != by}
+        key = "column" if "csv" in rest else second
+        each = rest.get(key)
+        if not isinstance(each, list | tuple) or len(each) != len(nodes):
+            raise InputError(f"expected a {key} for each {by}; got {each!r}")
+        if increasing(nodes)[0] <= 0:
+            raise InputError(f"{by}: expected values above 0; got {nodes[0]:g}")
+        tables = [plain(rest | {key: one}, info) for one in each]
+        values = tuple(table[second] for table in tables)
+        return {by: nodes, first: tables[0][first], second: values}
+
+    return BeforeValidator(validate)
+
+
 def _columns(given: dict[str, Any], first: str, second: str, info: Any):
     """Two columns of one length, from the table itself or from a file."""
     if set(given) == {"csv", "column"}:
-        return _read_csv(Path((info.context or {}).get("folder", ".")), given, first)
+        return _rising(*_read_csv(Path((info.context or {}).get("folder", ".")), given, first))
     if set(given) != {first, second}:
         raise InputError(f"expected the keys {first} and {second}, or csv and column; got "
                          f"{', '.join(given) or 'none'}")  # fmt: skip
@@ -140,24 +169,24 @@ def _columns(given: dict[str, Any], first: str, second: str, info: Any):
     if len(nodes) != len(values) or len(nodes) < 2:
         raise InputError(f"expected as many {second} as {first}, two or more; got {len(values)} "
                          f"and {len(nodes)}")  # fmt: skip
-    return nodes, values
+    return _rising(nodes, values)
+
+
+def _rising(nodes: tuple[float, ...], values: tuple[float, ...]):
+    """Both columns, turned round where the first falls from row to row."""
+    falls = all(after < before for before, after in itertools.pairwise(nodes))
+    return (nodes[::-1], values[::-1]) if falls else (nodes, values)
 
 
 def _read_csv(folder: Path, given: dict[str, Any], first: str):
     path = folder / str(given["csv"])
     try:
-        rows = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
-    columns = []
-    for name in (first, str(given["column"])):
-        try:
-            columns.append(tuple(float(row[name]) for row in rows))
-        except KeyError:
-            known = ", ".join(rows[0]) if rows else "none"
-            raise InputError(f"{path}: expected a column {name}; there is {known}") from None
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{path}: column {name}: {error}") from None
-    if len(rows) < 2:
-        raise InputError(f"{path}: expected two rows or more; got {len(rows)}")
-    return columns
+        columns = read_columns(path, first, str(given["column"]))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    if len(columns[0]) < 2:
+        raise InputError(f"{path}: expected two rows or more; got {len(columns[0])}")
+    for name, column in zip((first, given["column"]), columns, strict=True):
+        if not np.isfinite(column).all():
+            raise InputError(f"{path}: column {name}: expected a number in every row")
+    return tuple(tuple(column.tolist()) for column in columns)
