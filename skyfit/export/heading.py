@@ -16,9 +16,9 @@ from .description import Description
 
 
 def heading(description: Description, prefix: str, provenance: list[str]) -> list[str]:
-    """Lines of ASCII, without marks of comment."""
+    """Lines without marks of comment, of text that no language takes for anything else."""
     swept = "".join(f", {name}" for name in description.swept)
-    return [
+    lines = [
         "Luminance and colour of a clear sky in any direction.",
         "",
         *provenance,
@@ -31,6 +31,7 @@ def heading(description: Description, prefix: str, provenance: list[str]) -> lis
         "",
         *description.policy.split("\n"),
     ]
+    return list(map(_harmless, lines))
 
 
 def provenance_of_fit(fit: SkyFit) -> list[str]:
@@ -40,14 +41,15 @@ def provenance_of_fit(fit: SkyFit) -> list[str]:
     scale = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.notes.scale_rms.items())
     what = "zenith" if fit.distribution.relative else "scale"
     positive = [fit.positivity] if fit.positivity else []
-    return [
+    lines = [
         f"Fitted by skyfit {made_by.get('skyfit', 'of unknown version')}.",
         *(f"Skies: {line}" for line in _skies(data)),
         f"RMS error of the fit, relative: {errors}.",
         f"RMS error of the {what}, relative: {scale}.",
-        *(_ascii(f"Over the valid range: {margin.sentence()}.") for margin in positive),
+        *(f"Over the valid range: {margin.sentence()}." for margin in positive),
         *valid_range(fit.swept, fit.sun_zenith_range),
     ]
+    return list(map(_ascii, lines))
 
 
 def provenance_of_model(sky: FormulaSky) -> list[str]:
@@ -92,12 +94,26 @@ def _skies(data: dict[str, Any]) -> list[str]:
             f"constituent: {_kind(part, 'density')} density, {_kind(part, 'phase')} phase function"
             for part in first.get("constituents", [])
         ]
-    return list(map(_ascii, lines))
+    return lines
 
 
 def _ascii(line: str) -> str:
-    """Some compilers of shaders refuse anything else, in comments too."""
-    return line.replace("°", " deg").encode("ascii", "replace").decode()
+    """One line of printable ASCII: some compilers of shaders refuse anything else in comments."""
+    text = line.replace("°", " deg").encode("ascii", "replace").decode()
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+# What ends, opens or continues a comment or a docstring somewhere: the last two in C and in HTML.
+_MARKS = {"\\": "/", '"': "'", "*/": "* /", "/*": "/ *", "??": "? ?", "</": "< /"}
+
+
+def _harmless(line: str) -> str:
+    """A line that stays inside any comment or docstring, whatever file its words are from."""
+    text = _ascii(line)
+    for mark, instead in _MARKS.items():
+        while mark in text:
+            text = text.replace(mark, instead)
+    return text
 
 
 def _kind(part: dict[str, Any], key: str) -> str:
