@@ -8,8 +8,8 @@ import click
 
 import skyfit
 
-from .options import as_json
-from .output import print_json
+from .options import FILE, as_json
+from .output import print_json, print_table
 
 
 @click.command()
@@ -23,7 +23,7 @@ from .output import print_json
 @click.option(
     "--fit",
     "fits",
-    type=click.Path(path_type=Path),
+    type=FILE,
     multiple=True,
     help="A fit file to compare as well; may be repeated.",
 )
@@ -40,7 +40,6 @@ def compare(sun_zenith_deg: float, turbidity: float, fits: tuple[Path, ...], as_
 
 
 def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", box=None, pad_edge=False)
@@ -61,18 +60,13 @@ def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
             _short(row["diffuse_illuminance"] / unit),
             *(f"{x:.3f} {y:.3f}" for x, y in row["chromaticity"].values()),
         )
-    # As wide as the table, whatever it is printed to.
-    terminal = Console(highlight=False, width=120)
-    with terminal.capture() as printed:
-        terminal.print(table)
-    for line in printed.get().splitlines():
-        terminal.print(line.rstrip())
-    terminal.print("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
+    print_table(table)
+    click.echo("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
     for row in rows:
         if row["white"]:
-            terminal.print(f"† In units of {row['white']}.")
+            click.echo(f"† In units of {row['white']}.")
         if row["outside"]:
-            terminal.print(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
+            click.echo(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
 
 
 def _short(value: float) -> str:

@@ -1,12 +1,35 @@
-"""Options that several commands share."""
+"""Options that several commands share, and names of files on the command line."""
+
+from pathlib import Path
+from typing import Any
 
 import click
 
 
+class FileName(click.ParamType):
+    """A name of a file or folder; a leading ~ is the home folder, as a shell has it."""
+
+    name = "path"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The name as a path."""
+        text = str(value)
+        if not text or "\0" in text:
+            self.fail(f"expected the name of a file; got {text!r}", param, ctx)
+        try:
+            return Path(text).expanduser()
+        except RuntimeError:  # there is no such user
+            self.fail(f"{text}: there is no such home folder", param, ctx)
+
+
+FILE = FileName()
 as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON in place of tables.")
+overwrite = click.option(
+    "--overwrite", is_flag=True, help="Replace what is under the name of --out."
+)
 workers = click.option(
     "--workers",
-    type=click.IntRange(min=1),
+    type=click.IntRange(1, 256),
     default=1,
     show_default=True,
     help="Threads that simulate side by side.",

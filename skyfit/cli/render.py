@@ -9,25 +9,27 @@ import numpy as np
 import skyfit
 from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
 
-from .options import as_json
-from .output import INTERRUPTED, complain, print_record, progress
+from .interrupt import on_interrupt
+from .options import FILE, as_json, overwrite
+from .output import print_record, progress
 
 
 VIEWS = ("fisheye", "panorama", "perspective")
 
 
 @click.command()
-@click.argument("sky", type=click.Path(path_type=Path), required=False)
+@click.argument("sky", type=FILE, required=False)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=FILE,
     required=True,
     help="Ends in .exr, .hdr or .png; .gif or .apng for a day.",
 )
 @click.option(
     "--turbidity",
     type=float,
-    help="Of the sky where the file has several or none; or the value of what else it sweeps.",
+    help="3 where there is no SKY; of the sky where the file has several or none; or the value of "
+    "what else it sweeps.",
 )
 @click.option(
     "--sun-zenith-deg", type=click.FloatRange(0, 180),
@@ -83,7 +85,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
     help="Of an EXR.",
 )  # fmt: skip
 @click.option(
-    "--terrain", type=click.Path(path_type=Path),
+    "--terrain", type=FILE,
     help="Heights (.npz, .tif) to stand on, or the word sample; for --view perspective.",
 )  # fmt: skip
 @click.option("--eye-east-m", type=float, help="Of the terrain's corner; its middle if absent.")
@@ -94,7 +96,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )  # fmt: skip
 @click.option("--shafts", is_flag=True, help="The terrain shades the air too.")
 @click.option("--samples", type=int, default=16, show_default=True, help="Per pixel of a terrain.")
-@click.option("--overwrite", is_flag=True, help="Replace the picture that is there.")
+@overwrite
 @as_json
 def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     """Make a picture of a sky: fisheye dome, panorama, perspective, or a day of them.
@@ -119,17 +121,19 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     with progress("rendering", quiet=as_json) as bar:
         if kind in (".gif", ".apng"):
             suns, kept = _suns(options, zenith, azimuth), look.frames_directory(out)
-            try:
+
+            def words() -> str | None:
+                written = out.exists() and not options["overwrite"]
+                if written or not (kept / "record.json").exists():
+                    return None
+                done = len(list(kept.glob("*.light")))
+                return f"{done} of {len(suns)} frames are in {kept}; the same command continues"
+
+            with on_interrupt(words):
                 record = look.animate(
                     out, source, camera, suns, seconds=options["seconds"],
                     progress=bar, **saved, **shown,
                 )  # fmt: skip
-            except KeyboardInterrupt:
-                written = out.exists() and not options["overwrite"]
-                if written or not (kept / "record.json").exists():
-                    raise
-                done = f"{len(list(kept.glob('*.light')))} of {len(suns)} frames are in {kept}"
-                return complain(f"interrupted: {done}; the same command continues", INTERRUPTED)
             record = {"sky": source.name, **record}
         else:
             picture = (

@@ -1,6 +1,5 @@
 """Sky datasets on disk: zarr stores and netCDF files."""
 
-import os
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._files import make_room, whole
 from ..error_estimate import ERRORS, covers, estimate_of
 from ..errors import InputError, not_found
 from .record import SCHEMA
@@ -29,21 +29,34 @@ def save_dataset(
     Raises:
         InputError: Another ending; something is there that must not be replaced.
     """
+    kind = refuse_dataset(path, overwrite=overwrite)
+    with whole(path) as begun:
+        if kind == ".zarr":
+            dataset.to_zarr(begun, mode="w", consolidated=False)
+        else:
+            dataset.to_netcdf(begun, engine="netcdf4")
+
+
+def refuse_dataset(path: str | PathLike[str], *, overwrite: bool) -> str:
+    """The kind of file a name stands for; its folder is made if need be.
+
+    Raises:
+        InputError: Another ending; something is there that must not be replaced; nothing can be
+            written there.
+    """
     kind = check_suffix(path)
-    if Path(path).exists():
+    if holds_something(path):
         stored_attributes(path)
         if not overwrite:
             raise InputError(f"{path}: exists already; give another name or overwrite=True")
-    if kind == ".zarr":
-        dataset.to_zarr(path, mode="w", consolidated=False)
-    else:
-        # A record that is replaced stays whole until the new one is.
-        begun = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-        try:
-            dataset.to_netcdf(begun, engine="netcdf4")
-            begun.replace(path)
-        finally:
-            begun.unlink(missing_ok=True)
+    make_room(path)
+    return kind
+
+
+def holds_something(path: str | PathLike[str]) -> bool:
+    """Whether there is anything under a name but an empty file, such as a full disk leaves."""
+    path = Path(path)
+    return path.exists() and not (path.is_file() and path.stat().st_size == 0)
 
 
 def load_dataset(path: str | PathLike[str]) -> xr.Dataset:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from os import PathLike
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -11,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from .._files import alone, make_room
 from .._progress import Progress, silent
 from .._typing import as_float
 from ..atmosphere import Atmosphere
@@ -28,7 +28,13 @@ from ..error_estimate import (
 from ..errors import InputError
 from ..transfer.simulate_sky import coarser_radiance, simulate
 from ..transfer.trust import estimated_error, refuse_impossible
-from .files import check_suffix, load_dataset, save_dataset
+from .files import (
+    check_suffix,
+    holds_something,
+    load_dataset,
+    refuse_dataset,
+    save_dataset,
+)
 from .record import sky_dataset, sky_variables, with_errors
 from .store import SkyStore, empty_skies, refuse_another
 
@@ -68,6 +74,7 @@ def run_campaign(
     workers: int = 1,
     suns_per_call: int | None = None,
     estimate_error: str = "none",
+    overwrite: bool = False,
 ) -> xr.Dataset:
     """Simulate every sky of a campaign.
 
@@ -85,14 +92,15 @@ def run_campaign(
             record how far the radiances may be off; "all" to do so with every sky, and record it
             for each radiance. Finished skies of `store` are taken as they are. "none" leaves what
             is on record.
+        overwrite: Replace a sky dataset that is under `store`; nothing else is ever replaced.
 
     Returns:
         Dimensions (turbidity or what else is swept, sun_zenith, direction, wavelength); see
         `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
 
     Raises:
-        InputError: `store` holds something else, or a store of another campaign; an argument is
-            impossible; a radiance is negative or not finite.
+        InputError: `store` holds something else, or a store of another campaign, or another run
+            is writing to it; an argument is impossible; a radiance is negative or not finite.
 
     Warns:
         AccuracyWarning: The estimate on record exceeds 2 %; what `simulate` warns of.
@@ -115,18 +123,36 @@ def run_campaign(
     ]
     template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
     run = _Run(campaign, places, suns_per_call, workers, progress or silent)
-    kept, dataset = None, None
+    if store is None:
+        return _carried_out(run, template, None, estimate_error, overwrite)
+    make_room(store)
+    with alone(store):
+        return _carried_out(run, template, store, estimate_error, overwrite)
+
+
+def _carried_out(
+    run: _Run,
+    template: xr.Dataset,
+    store: str | PathLike[str] | None,
+    estimate_error: str,
+    overwrite: bool,
+) -> xr.Dataset:
+    """The campaign's skies, simulated or from its store, and kept there."""
+    campaign, kept, dataset = run.campaign, None, None
     if store is not None and check_suffix(store) == ".zarr":
-        kept = SkyStore(store, template)
-    elif store is not None and Path(store).exists():
+        kept = SkyStore(store, template, overwrite=overwrite)
+    elif store is not None and not overwrite and holds_something(store):
         refuse_another(store, template)
         dataset = load_dataset(store)
+    elif store is not None:
+        refuse_dataset(store, overwrite=overwrite)
     fresh = dataset is None
     if dataset is None:
         dataset = _simulated(run, template, kept)
     refuse_impossible(dataset["radiance"].values, "run_campaign" if store is None else str(store))
     if store is not None and kept is None and fresh:
-        save_dataset(dataset, store)  # before what follows, which may be interrupted
+        # before what follows, which may be interrupted
+        save_dataset(dataset, store, overwrite=overwrite)
     if not covers(estimate_of(dataset), estimate_error):
         dataset = _estimated(run, dataset, estimate_error, kept)
         if store is not None and kept is None:

@@ -1,7 +1,5 @@
 """A campaign under way: a zarr store that keeps every finished sky, and which they are."""
 
-import os
-import shutil
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -9,9 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._files import whole
 from ..campaign import Campaign
 from ..errors import InputError
-from .files import check_suffix, stored_attributes
+from .files import check_suffix, holds_something, refuse_dataset, stored_attributes
 from .record import sky_dataset
 
 
@@ -29,20 +28,22 @@ class SkyStore:
         path: Name that ends in .zarr; the store is made if absent, continued if it is of the same
             campaign.
         template: Dataset of the campaign with NaN for every sky.
+        overwrite: Begin anew in place of the sky dataset that is there.
 
     Raises:
         InputError: Something else is there, or a store of another campaign.
     """
 
-    def __init__(self, path: str | PathLike[str], template: xr.Dataset):
+    def __init__(self, path: str | PathLike[str], template: xr.Dataset, *, overwrite: bool = False):
         import zarr
 
         if check_suffix(path) != ".zarr":
             raise InputError(f"{path}: only a .zarr store can be filled sky by sky")
         self.path = Path(path)
-        if self.path.exists():
+        if holds_something(path) and not overwrite:
             refuse_another(self.path, template)
         else:
+            refuse_dataset(path, overwrite=overwrite)
             self._create(template)
         self._group = group = zarr.open_group(self.path, mode="r+")
         self._skies = _sky_shape(template)
@@ -107,13 +108,8 @@ class SkyStore:
             for name, array in marked.data_vars.items()
         }
         # Whoever finds the store under its name finds all of it, even after a crash.
-        begun = self.path.with_name(f".{self.path.name}.{os.getpid()}")
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        try:
+        with whole(self.path) as begun:
             marked.to_zarr(begun, mode="w", consolidated=False, encoding=chunks)
-            begun.rename(self.path)
-        finally:
-            shutil.rmtree(begun, ignore_errors=True)
 
 
 def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
@@ -127,7 +123,7 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
         if found.get(name) != template.attrs[name]:
             made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
             how = made.get(name, "by another campaign")
-            raise InputError(f"{path}: was made {how}; give another name")
+            raise InputError(f"{path}: was made {how}; give another name or overwrite=True")
 
 
 def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:

@@ -13,6 +13,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from .._files import write_text
 from ..errors import InputError
 from .older_files import upgraded
 
@@ -28,10 +29,10 @@ def write_document(path: str | PathLike[str], fields: dict[str, Any]) -> None:
         ValueError: There is a file that is no fit of skyfit: it is not replaced.
     """
     target = Path(path)
-    if target.exists():
+    if target.exists() and target.stat().st_size:
         _read(target)
     document = {"schema": SCHEMA, **plain(fields)}
-    target.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(target, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
 def read_document(path: str | PathLike[str]) -> dict[str, Any]:

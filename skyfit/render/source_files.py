@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from ..campaign.file import load_campaign
+from ..campaign.file.load import PAPER_TURBIDITY
 from ..dataset import SUFFIXES, load_dataset
 from ..dataset.measurements import cornell_skies
 from ..errors import InputError
 from ..fitting import load_fit
-from ..models import preetham_sky
+from ..models import AbstractSkyModel, preetham_sky
 from .recorded import RecordedSource, select_sky
 from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
@@ -30,9 +31,9 @@ def load_source(
     Args:
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
             .nc), "cornell" for the measured skies; None for the published model.
-        turbidity: Turbidity of the published model, of a fit or campaign or dataset that has
-            several (or the value of what else it sweeps), and of the air before the sun where the
-            sky does not know it.
+        turbidity: Turbidity of the published model, 3 by default; of a fit or campaign or dataset
+            that has several (or the value of what else it sweeps); and of the air before the sun
+            where the sky does not know it. A model's is held within its range, which its name says.
         sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
 
@@ -47,9 +48,10 @@ def load_source(
             f"altitude; got {observer_altitude:g} m"
         )
     if path is None:
-        value = _needed(turbidity, "the published model")
-        name = f"Preetham, Shirley & Smits (1999), turbidity {value:g}"
-        return ModelSource(preetham_sky(value), value, name)
+        value = PAPER_TURBIDITY if turbidity is None else turbidity
+        sky = preetham_sky(value)
+        used, held = _held(sky, "turbidity", value)
+        return ModelSource(sky, used, f"Preetham, Shirley & Smits (1999), {held}")
     if path.suffix == ".json":
         return _fitted(path, turbidity)
     if path.suffix == ".toml":
@@ -75,12 +77,21 @@ def _fitted(path: Path, turbidity: float | None) -> ModelSource:
         )
     if fit.parameter_name == "turbidity":
         value = _needed(turbidity, str(path))
-        name = f"{path.name}, turbidity {value:g}"
-        return ModelSource(fit.sky(turbidity=value), value, name)
+        sky = fit.sky(turbidity=value)
+        used, held = _held(sky, "turbidity", value)
+        return ModelSource(sky, used, f"{path.name}, {held}")
     if (name := fit.parameter_name) is not None:
         value = _needed(turbidity, str(path), name)
-        return ModelSource(fit.sky(**{name: value}), None, f"{path.name}, {name} {value:g}")
+        sky = fit.sky(**{name: value})
+        return ModelSource(sky, None, f"{path.name}, {_held(sky, name, value)[1]}")
     return ModelSource(fit.sky(), turbidity, path.name)
+
+
+def _held(sky: AbstractSkyModel, name: str, value: float) -> tuple[float, str]:
+    """The value that is used of a parameter, which differs outside its range; and both in words."""
+    low, high = sky.valid_range[name]
+    used = min(max(value, low), high)
+    return used, f"{name} {value:g}" + ("" if used == value else f" taken as {used:g}")
 
 
 def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSource:
@@ -90,8 +101,7 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
         if len(values) > 1:
             there = ", ".join(f"{one:g}" for one in values)
             raise InputError(
-                f"{path}: expected one {swept} (--turbidity, turbidity=...), such as one of "
-                f"{there}; got none"
+                f"{path}: expected one {swept} (turbidity=...), such as one of {there}; got none"
             )
         value = float(next(iter(values)))
     elif swept is None:
