@@ -65,6 +65,8 @@ class _Group(click.Group):
         """Run the command that was typed."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:  # before click prints an empty line for it
+            return interrupted()
         except InputError as error:
             command = self.commands.get(str(ctx.invoked_subcommand))
             raise InputError(for_command_line(str(error), command)) from error

@@ -8,18 +8,18 @@ import click
 
 import skyfit
 
-from .options import FILE, as_json
+from .options import FILE, Number, as_json
 from .output import print_json, print_table
 
 
 @click.command()
 @click.option(
     "--sun-zenith-deg",
-    type=click.FloatRange(0, 180),
+    type=Number(0, 180),
     required=True,
     help="Zenith angle of the sun, in degrees.",
 )
-@click.option("--turbidity", type=click.FloatRange(min=1), required=True, help="1 or more.")
+@click.option("--turbidity", type=Number(min=1), required=True, help="1 or more.")
 @click.option(
     "--fit",
     "fits",

@@ -64,7 +64,11 @@ def leaving_at_once() -> Iterator[None]:
         if _speaks.acquire(blocking=False):
             _leave(interrupted())
 
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    def hear(number: int, frame: object) -> None:
+        heard.set()
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, hear)
     fd = signal.set_wakeup_fd(mouth.fileno(), warn_on_full_buffer=False)
     threading.Thread(target=listen, daemon=True).start()
     try:

@@ -1,5 +1,6 @@
 """Options that several commands share, and names of files on the command line."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,24 @@ class FileName(click.ParamType):
             return Path(text).expanduser()
         except RuntimeError:  # there is no such user
             self.fail(f"{text}: there is no such home folder", param, ctx)
+
+
+class Number(click.FloatRange):
+    """A finite number, within bounds if there are any."""
+
+    name = "number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number."""
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not math.isfinite(number):
+            self.fail(f"expected a number; got {value}", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 FILE = FileName()

@@ -8,9 +8,10 @@ import numpy as np
 
 import skyfit
 from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
+from skyfit.render.terrain import check_samples
 
 from .interrupt import on_interrupt
-from .options import FILE, as_json, overwrite
+from .options import FILE, Number, as_json, overwrite
 from .output import print_record, progress
 
 
@@ -27,16 +28,16 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )
 @click.option(
     "--turbidity",
-    type=float,
+    type=Number(),
     help="3 where there is no SKY; of the sky where the file has several or none; or the value of "
     "what else it sweeps.",
 )
 @click.option(
-    "--sun-zenith-deg", type=click.FloatRange(0, 180),
+    "--sun-zenith-deg", type=Number(0, 180),
     help="45 if absent, or the sun of the one sky in SKY.",
 )  # fmt: skip
 @click.option(
-    "--sun-azimuth-deg", type=float, default=180.0, show_default=True,
+    "--sun-azimuth-deg", type=Number(), default=180.0, show_default=True,
     help="Compass: 0 north, 90 east.",
 )  # fmt: skip
 @click.option("--view", type=click.Choice(VIEWS), default="fisheye", show_default=True)
@@ -50,28 +51,39 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )  # fmt: skip
 @click.option("--width", type=click.IntRange(1, 16384), help="Columns of a perspective; 4/3 rows.")
 @click.option(
-    "--facing-deg", type=float, default=0.0, show_default=True,
+    "--facing-deg", type=Number(), default=0.0, show_default=True,
     help="Azimuth at a fisheye's top, or in the middle of another view.",
 )  # fmt: skip
-@click.option("--elevation-deg", type=click.FloatRange(-90, 90), default=10.0, show_default=True)
-@click.option("--field-of-view-deg", type=float, default=65.0, show_default=True)
-@click.option("--altitude-m", type=click.FloatRange(0), default=0.0, show_default=True)
+@click.option("--elevation-deg", type=Number(-90, 90), default=10.0, show_default=True)
+@click.option(
+    "--field-of-view-deg",
+    type=Number(0, 180, min_open=True, max_open=True),
+    default=65.0,
+    show_default=True,
+)
+@click.option("--altitude-m", type=Number(0), default=0.0, show_default=True)
 @click.option("--sun/--no-sun", "sun_disc", default=True, help="Show the sun's disc.")
 @click.option(
-    "--ground-albedo", type=click.FloatRange(0, 1),
+    "--ground-albedo", type=Number(0, 1),
     help="Below the horizon; 0.2 if absent, or the atmosphere's own.",
 )  # fmt: skip
-@click.option("--latitude-deg", type=click.FloatRange(-90, 90), help="Of a day.")
+@click.option("--latitude-deg", type=Number(-90, 90), help="Of a day.")
 @click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day.")
 @click.option(
-    "--to-sun-zenith-deg", type=click.FloatRange(0, 180),
+    "--to-sun-zenith-deg", type=Number(0, 180),
     help="In place of a day: the sun moves here from --sun-zenith-deg.",
 )  # fmt: skip
 @click.option(
     "--frames", type=click.IntRange(1, 2000), default=96, show_default=True, help="Of a day."
 )
-@click.option("--seconds", type=float, default=8.0, show_default=True, help="A day lasts.")
-@click.option("--ev", type=float, help="Exposure value (ISO 100) of a PNG; automatic if absent.")
+@click.option(
+    "--seconds",
+    type=Number(0, 3600, min_open=True),
+    default=8.0,
+    show_default=True,
+    help="A day lasts.",
+)
+@click.option("--ev", type=Number(), help="Exposure value (ISO 100) of a PNG; automatic if absent.")
 @click.option(
     "--tone", type=click.Choice(TONES), default="aces", show_default=True,
     help="Tone curve of a PNG.",
@@ -88,8 +100,8 @@ VIEWS = ("fisheye", "panorama", "perspective")
     "--terrain", type=FILE,
     help="Heights (.npz, .tif) to stand on, or the word sample; for --view perspective.",
 )  # fmt: skip
-@click.option("--eye-east-m", type=float, help="Of the terrain's corner; its middle if absent.")
-@click.option("--eye-north-m", type=float, help="Of the terrain's corner; its middle if absent.")
+@click.option("--eye-east-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
+@click.option("--eye-north-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
 @click.option(
     "--aerial", type=click.Choice(AIRS), default="paper", show_default=True,
     help="Air before the terrain.",
@@ -107,12 +119,15 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     it until it is written: after an interruption the same command continues.
     """
     look = skyfit.render
+    check_samples(options["samples"])
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
     given = _radians(options["sun_zenith_deg"])
-    if options["terrain"] is not None and kind in (".gif", ".apng"):
-        raise click.UsageError("--terrain: only for one picture, not for a day")
-    land = _land(options["terrain"], options["view"], options["shafts"])
+    if kind in (".gif", ".apng"):
+        if options["terrain"] is not None:
+            raise click.UsageError("--terrain: only for one picture, not for a day")
+        _suns(options, 0.0, 0.0)  # whether it is a day, before its sky is looked for
+    land = _land(options["terrain"], options["view"], options["shafts"], options["aerial"])
     height = 0.0 if land is not None else options["altitude_m"]
     source = look.load_source(sky, options["turbidity"], given, height)
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
@@ -147,11 +162,13 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     return 0
 
 
-def _land(terrain: Path | None, view: str, shafts: bool):
+def _land(terrain: Path | None, view: str, shafts: bool, aerial: str):
     if terrain is None:
         if shafts:
             raise click.UsageError("--shafts: only with --terrain")
         return None
+    if shafts and aerial != "paper":
+        raise click.UsageError("--shafts: only with --aerial paper")
     if view != "perspective":
         raise click.UsageError("--terrain: only for --view perspective")
     look = skyfit.render
@@ -164,8 +181,6 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
     albedo = source.ground_albedo if albedo is None else albedo
     east, north = options["eye_east_m"], options["eye_north_m"]
     eye = (wide / 2 if east is None else east, deep / 2 if north is None else north)
-    if options["shafts"] and options["aerial"] != "paper":
-        raise click.UsageError("--shafts: only with --aerial paper")
     air = look.air_before(source, zenith, options["aerial"], albedo, sunlight=options["sun_disc"])
     return look.render_terrain(
         source, land, camera, eye, zenith, azimuth, air, ground_albedo=albedo,

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.dataset.files import check_suffix
 from skyfit.error_estimate import CHECKS, ErrorEstimate, estimate_of
 
 from .interrupt import on_interrupt
@@ -44,6 +45,7 @@ def simulate(
     Skies that are in a finished store are not simulated again for it. An estimate above 2 % is
     warned of; the exit status is 0 all the same.
     """
+    check_suffix(out)
     plan = skyfit.load_campaign(campaign)
     done = [0, plan.num_skies]
     with progress("skies", quiet=as_json) as bar:

@@ -10,7 +10,6 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from .._files import alone, make_room
 from .._progress import Progress, silent
 from .._typing import as_float
 from ..atmosphere import Atmosphere
@@ -28,15 +27,9 @@ from ..error_estimate import (
 from ..errors import InputError
 from ..transfer.simulate_sky import coarser_radiance, simulate
 from ..transfer.trust import estimated_error, refuse_impossible
-from .files import (
-    check_suffix,
-    holds_something,
-    load_dataset,
-    refuse_dataset,
-    save_dataset,
-)
+from .files import check_suffix, save_dataset
 from .record import sky_dataset, sky_variables, with_errors
-from .store import SkyStore, empty_skies, refuse_another
+from .store import SkyStore, empty_skies, opened
 
 
 class _Job(NamedTuple):
@@ -105,6 +98,8 @@ def run_campaign(
     Warns:
         AccuracyWarning: The estimate on record exceeds 2 %; what `simulate` warns of.
     """
+    if store is not None:
+        check_suffix(store)
     if suns_per_call is None:
         suns_per_call = min(12, len(campaign.sun_zenith))
     if workers < 1 or suns_per_call < 1:
@@ -123,43 +118,23 @@ def run_campaign(
     ]
     template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
     run = _Run(campaign, places, suns_per_call, workers, progress or silent)
-    if store is None:
-        return _carried_out(run, template, None, estimate_error, overwrite)
-    make_room(store)
-    with alone(store):
-        return _carried_out(run, template, store, estimate_error, overwrite)
-
-
-def _carried_out(
-    run: _Run,
-    template: xr.Dataset,
-    store: str | PathLike[str] | None,
-    estimate_error: str,
-    overwrite: bool,
-) -> xr.Dataset:
-    """The campaign's skies, simulated or from its store, and kept there."""
-    campaign, kept, dataset = run.campaign, None, None
-    if store is not None and check_suffix(store) == ".zarr":
-        kept = SkyStore(store, template, overwrite=overwrite)
-    elif store is not None and not overwrite and holds_something(store):
-        refuse_another(store, template)
-        dataset = load_dataset(store)
-    elif store is not None:
-        refuse_dataset(store, overwrite=overwrite)
-    fresh = dataset is None
-    if dataset is None:
-        dataset = _simulated(run, template, kept)
-    refuse_impossible(dataset["radiance"].values, "run_campaign" if store is None else str(store))
-    if store is not None and kept is None and fresh:
-        # before what follows, which may be interrupted
-        save_dataset(dataset, store, overwrite=overwrite)
-    if not covers(estimate_of(dataset), estimate_error):
-        dataset = _estimated(run, dataset, estimate_error, kept)
-        if store is not None and kept is None:
-            save_dataset(dataset, store, overwrite=True)
-    if (estimate := estimate_of(dataset)) is not None:
-        warn_where_large(estimate, campaign.quality)
-    return dataset
+    with opened(store, template, overwrite=overwrite) as (kept, dataset):
+        fresh = dataset is None
+        if dataset is None:
+            dataset = _simulated(run, template, kept)
+        refuse_impossible(
+            dataset["radiance"].values, "run_campaign" if store is None else str(store)
+        )
+        if store is not None and kept is None and fresh:
+            # before what follows, which may be interrupted
+            save_dataset(dataset, store, overwrite=overwrite)
+        if not covers(estimate_of(dataset), estimate_error):
+            dataset = _estimated(run, dataset, estimate_error, kept)
+            if store is not None and kept is None:
+                save_dataset(dataset, store, overwrite=True)
+        if (estimate := estimate_of(dataset)) is not None:
+            warn_where_large(estimate, campaign.quality)
+        return dataset
 
 
 def _simulated(run: _Run, template: xr.Dataset, kept: SkyStore | None) -> xr.Dataset:

@@ -1,5 +1,7 @@
 """A campaign under way: a zarr store that keeps every finished sky, and which they are."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -7,10 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .._files import whole
+from .._files import alone, make_room, whole
 from ..campaign import Campaign
 from ..errors import InputError
-from .files import check_suffix, holds_something, refuse_dataset, stored_attributes
+from .files import check_suffix, holds_something, load_dataset, refuse_dataset, stored_attributes
 from .record import sky_dataset
 
 
@@ -110,6 +112,39 @@ class SkyStore:
         # Whoever finds the store under its name finds all of it, even after a crash.
         with whole(self.path) as begun:
             marked.to_zarr(begun, mode="w", consolidated=False, encoding=chunks)
+
+
+@contextmanager
+def opened(
+    path: str | PathLike[str] | None, template: xr.Dataset, *, overwrite: bool
+) -> Iterator[tuple[SkyStore | None, xr.Dataset | None]]:
+    """What a campaign has on disk, with no other run writing to it meanwhile.
+
+    Args:
+        path: Name that ends in .zarr or .nc; None for nothing on disk.
+        template: Dataset of the campaign with NaN for every sky.
+        overwrite: Begin anew in place of a sky dataset that is there.
+
+    Yields:
+        The store to fill, or the finished dataset of a netCDF file, or neither.
+
+    Raises:
+        InputError: Something else is there; another run is writing to it; nothing can be written.
+    """
+    if path is None:
+        yield None, None
+        return
+    kind = check_suffix(path)
+    make_room(path)
+    with alone(path):
+        if kind == ".zarr":
+            yield SkyStore(path, template, overwrite=overwrite), None
+        elif holds_something(path) and not overwrite:
+            refuse_another(path, template)
+            yield None, load_dataset(path)
+        else:
+            refuse_dataset(path, overwrite=overwrite)
+            yield None, None
 
 
 def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
