@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, not_found
 
 
 @contextmanager
@@ -35,6 +35,30 @@ def write_text(path: str | PathLike[str], text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with whole(path) as begun:
         begun.write_text(text, encoding="utf-8")
+
+
+def read_text(path: str | PathLike[str], most: int) -> str:
+    """The text of a file in UTF-8, with or without a byte order mark.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        InputError: It is a folder or a device, of more than `most` bytes, or no such text.
+    """
+    path = Path(path)
+    try:
+        there = path.exists()
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: is not the name of a file; {error}") from None
+    if not there:
+        raise not_found(path)
+    if not path.is_file():  # reading /dev/zero or a FIFO would never end
+        raise InputError(f"{path}: expected a file; this is a folder, or a device")
+    if (size := path.stat().st_size) > most:
+        raise InputError(f"{path}: expected at most {most} bytes; there are {size}")
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: expected text in UTF-8; {error}") from None
 
 
 def refuse_target(path: str | PathLike[str], *, overwrite: bool) -> None:
