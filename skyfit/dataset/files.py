@@ -1,15 +1,17 @@
 """Sky datasets on disk: zarr stores and netCDF files."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from .._files import make_room, whole
 from ..error_estimate import ERRORS, covers, estimate_of
 from ..errors import InputError, not_found
+from .form import refuse_impossible_numbers, refuse_malformed
 from .record import SCHEMA
 
 
@@ -80,10 +82,7 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
         dataset = dataset.drop_vars("done")
     if ERRORS in dataset and not covers(estimate_of(dataset), "all"):
         dataset = dataset.drop_vars(ERRORS)  # interrupted before every sky had one
-    for name, array in dataset.data_vars.items():
-        bad = int(np.count_nonzero(~np.isfinite(array.values)))
-        if bad:
-            raise InputError(f"{path}: {name} has {bad} non-finite values of {array.size}")
+    refuse_impossible_numbers(path, dataset)
     return dataset
 
 
@@ -109,13 +108,11 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     kind = check_suffix(path)
     if not Path(path).exists():
         raise not_found(path)
-    try:
-        with _open(path, kind) as dataset:
-            attributes = dict(dataset.attrs)
-    except (OSError, ValueError, KeyError):
-        raise InputError(f"{path}: exists and is not a sky dataset") from None
-    if (schema := attributes.get("schema", "missing")) != SCHEMA:
-        raise InputError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
+    with _opened(path, kind) as dataset:
+        attributes = dict(dataset.attrs)
+    schema = attributes.get("schema", "missing")
+    if not isinstance(schema, str) or schema != SCHEMA:
+        raise InputError(f"{path}: schema is {schema!r:.60}, expected {SCHEMA!r}")
     return attributes
 
 
@@ -125,6 +122,24 @@ def _open(path: str | PathLike[str], kind: str) -> xr.Dataset:
     return xr.open_dataset(path, engine="netcdf4")
 
 
+@contextmanager
+def _opened(path: str | PathLike[str], kind: str) -> Iterator[xr.Dataset]:
+    """A dataset on disk; what libraries say of one that they cannot read is put into one line."""
+    try:
+        if not Path(path).is_file() and not Path(path).is_dir():
+            raise OSError("a device")
+        with _open(path, kind) as dataset:
+            yield dataset
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # of any kind, from four libraries
+        words = " ".join(str(error).split())[:100]
+        raise InputError(
+            f"{path}: exists and is not a sky dataset, or is damaged ({words})"
+        ) from None
+
+
 def _read(path: str | PathLike[str]) -> xr.Dataset:
-    with _open(path, check_suffix(path)) as dataset:
+    with _opened(path, check_suffix(path)) as dataset:
+        refuse_malformed(path, dataset)
         return dataset.load()

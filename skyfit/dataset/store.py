@@ -57,11 +57,17 @@ class SkyStore:
         """Which skies are finished, over the campaign's `sky_dims`."""
         if self._done is None:
             return np.ones(self._skies, bool)
-        return np.asarray(self._done[:]) == 1
+        return self._read("done", self._done) == 1
 
     def read(self, name: str) -> np.ndarray:
         """A variable of all skies; NaN where they are not done."""
-        return np.asarray(_array(self._group, name)[:])
+        return self._read(name, _array(self._group, name))
+
+    def _read(self, name: str, array: Any) -> np.ndarray:
+        try:
+            return np.asarray(array[:])
+        except Exception as error:  # of any kind, from the libraries below
+            raise InputError(f"{self.path}: {name} cannot be read; {error}") from None
 
     def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
@@ -155,7 +161,7 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
     """
     found = stored_attributes(path)
     for name in IDENTITY:
-        if found.get(name) != template.attrs[name]:
+        if str(found.get(name)) != template.attrs[name]:
             made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
             how = made.get(name, "by another campaign")
             raise InputError(f"{path}: was made {how}; give another name or overwrite=True")
