@@ -83,7 +83,9 @@ VIEWS = ("fisheye", "panorama", "perspective")
     show_default=True,
     help="A day lasts.",
 )
-@click.option("--ev", type=Number(), help="Exposure value (ISO 100) of a PNG; automatic if absent.")
+@click.option(
+    "--ev", type=Number(-100, 100), help="Exposure value (ISO 100) of a PNG; automatic if absent."
+)
 @click.option(
     "--tone", type=click.Choice(TONES), default="aces", show_default=True,
     help="Tone curve of a PNG.",

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Hashable
 from os import PathLike
 
 import numpy as np
@@ -63,9 +64,25 @@ def refuse_malformed(path: str | PathLike[str], dataset: xr.Dataset) -> None:
     for name in ("sun_zenith", "view_zenith", "relative_azimuth"):
         if name not in dataset.coords:
             raise InputError(f"{path}: {name} is missing")
+    for name in {"radiance", "luminance"} & set(dataset.variables):
+        _refuse_unknown_skies(path, dataset, dataset[name].dims[: -len(_ENDS[name])])
     for name in _TEXTS:
         if name in dataset.attrs:
             _refuse_no_json(path, name, dataset.attrs[name])
+
+
+def _refuse_unknown_skies(
+    path: str | PathLike[str], dataset: xr.Dataset, skies: tuple[Hashable, ...]
+) -> None:
+    """Refuse dimensions of skies of which nothing says where on them a sky is."""
+    suns = dataset["sun_zenith"].dims
+    if not set(suns) <= set(skies) or len(suns) > 1:
+        raise InputError(f"{path}: sun_zenith: expected one of {skies}; got {suns}")
+    for dim in skies:
+        if dim not in (*suns, *dataset.coords):
+            raise InputError(f"{path}: {dim}: expected its values; got none")
+        if dim in ("time", "sun_zenith") and suns != (dim,):
+            raise InputError(f"{path}: sun_zenith: expected one a {dim}; got {suns}")
 
 
 def _refuse_no_json(path: str | PathLike[str], name: str, text: object) -> None:

@@ -36,7 +36,7 @@ def heading(description: Description, prefix: str, provenance: list[str]) -> lis
 
 def provenance_of_fit(fit: SkyFit) -> list[str]:
     """What a fit was made from, how well it follows that, and where it holds."""
-    data, made_by = fit.provenance.get("data", {}), fit.provenance.get("versions", {})
+    data, made_by = _table(fit.provenance.get("data")), _table(fit.provenance.get("versions"))
     errors = ", ".join(f"{name} {100 * d.rms:.2g} %" for name, d in fit.diagnostics.items())
     scale = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.notes.scale_rms.items())
     what = "zenith" if fit.distribution.relative else "scale"
@@ -79,7 +79,7 @@ def valid_range(swept: Mapping[str, tuple[float, float]], suns: tuple[float, flo
 def _skies(data: dict[str, Any]) -> list[str]:
     """The skies a fit was made from, as far as its record tells."""
     lines = [str(data.get("title", "not described"))]
-    campaign = _parsed(data.get("campaign"))
+    campaign = _table(_parsed(data.get("campaign")))
     if campaign:
         orders = campaign.get("orders")
         light = "all orders" if orders is None else f"{orders} orders of scattering"
@@ -89,10 +89,10 @@ def _skies(data: dict[str, Any]) -> list[str]:
             lines += [f"{key.replace('_', ' ')}: {value}" for key, value in atmosphere.items()]
     atmospheres = _parsed(data.get("atmosphere"))
     if isinstance(atmospheres, list) and atmospheres:
-        first = atmospheres[0]
+        parts = _table(atmospheres[0]).get("constituents", [])
         lines += [
             f"constituent: {_kind(part, 'density')} density, {_kind(part, 'phase')} phase function"
-            for part in first.get("constituents", [])
+            for part in (map(_table, parts) if isinstance(parts, list) else ())
         ]
     return lines
 
@@ -117,11 +117,16 @@ def _harmless(line: str) -> str:
 
 
 def _kind(part: dict[str, Any], key: str) -> str:
-    return str(part.get(key, {}).get("type", "unnamed"))
+    return str(_table(part.get(key)).get("type", "unnamed"))
+
+
+def _table(found: Any) -> dict[str, Any]:
+    """What a record holds under a name, where that is a table as it should be."""
+    return found if isinstance(found, dict) else {}
 
 
 def _parsed(text: Any) -> Any:
     try:
         return json.loads(text)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return None

@@ -5,6 +5,7 @@ import math
 from os import PathLike
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -37,6 +38,23 @@ def _low_to_high(ends: tuple[float, float]) -> tuple[float, float]:
     return ends
 
 
+def _rectangular(rows: list[list[float]]) -> list[list[float]]:
+    if len({len(row) for row in rows}) > 1:
+        raise ValueError("expected rows of one length")
+    return rows
+
+
+def _numbers(value: Any) -> Any:
+    """A number, or lists of them of one length, as `np.array` takes them."""
+    try:
+        fine = np.isfinite(np.array(value, float)).all()
+    except (OverflowError, TypeError, ValueError):
+        fine = False
+    if not fine:
+        raise ValueError("expected finite numbers")
+    return value
+
+
 def _one_of(*choices: str) -> AfterValidator:
     def checked(word: str) -> str:
         if word not in choices:
@@ -55,7 +73,7 @@ Pair = Annotated[
     tuple[Finite, Finite], Field(strict=False), AfterValidator(_low_to_high)
 ]  # JSON has lists alone
 Suns = Annotated[tuple[Sun, Sun], Field(strict=False), AfterValidator(_low_to_high)]
-Table = list[list[Finite]]
+Table = Annotated[list[list[Finite]], AfterValidator(_rectangular)]
 
 
 class _Part(BaseModel):
@@ -208,8 +226,8 @@ class _Positivity(BaseModel):
 
 class _Document(_Part):
     formula: _Formula
-    standard_errors: dict[str, list[list[float]]]
-    scale_errors: dict[str, dict[str, Any]]
+    standard_errors: dict[str, Table]
+    scale_errors: dict[str, dict[str, Annotated[Any, AfterValidator(_numbers)]]]
     scale_rms: dict[str, Share]
     diagnostics: dict[str, _Diagnostics]
     two_stage: dict[str, _TwoStage] | None

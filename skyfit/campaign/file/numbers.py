@@ -186,7 +186,7 @@ def _read_csv(folder: Path, given: dict[str, Any], first: str):
         try:
             columns.append(tuple(_finite(row[name]) for row in rows))
         except KeyError:
-            known = ", ".join(rows[0]) if rows else "none"
+            known = ", ".join(map(str, rows[0])) if rows else "none"
             raise InputError(f"{path}: expected a column {name}; there is {known}") from None
         except (TypeError, ValueError) as error:
             raise InputError(f"{path}: column {name}: {error}") from None

@@ -42,10 +42,14 @@ class Sun(Section):
 
 
 class Ground(Section):
-    """A Lambertian ground."""
+    """A Lambertian ground, and how high it lies above sea level.
+
+    Gases have their profiles above sea level, aerosols above the ground they lie on.
+    """
 
     albedo: Annotated[Any, spectral(0.0, 1.0)] = 0.0
     scale: Annotated[ZeroOrMore, Field(le=10)] = 1.0
+    altitude_m: Annotated[ZeroOrMore, Field(le=20e3)] | None = None
 
 
 class Exponential(Section):
