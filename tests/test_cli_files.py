@@ -165,6 +165,8 @@ def test_a_run_that_was_killed_blocks_nobody(tmp_path):
 
 # What drops the exception as a callback of the garbage collector does, and what hears nothing.
 DEAF = {
+    "collected": "import gc\ngc.callbacks.append(lambda *_: time.sleep(0.01))\n"
+    "while True: gc.collect()",
     "dropped": "while True:\n try: time.sleep(9)\n except KeyboardInterrupt: pass",
     "heard": "time.sleep(99)",
     "in a thread": "t = threading.Thread(target=time.sleep, args=(99,)); t.start(); t.join()",

@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from .output import INTERRUPTED, complain
 
@@ -68,7 +69,12 @@ def leaving_at_once() -> Iterator[None]:
         heard.set()
         raise KeyboardInterrupt
 
+    def dropped(error: Any) -> None:
+        if not issubclass(error.exc_type, KeyboardInterrupt):
+            sys.__unraisablehook__(error)
+
     before = signal.signal(signal.SIGINT, hear)
+    sys.unraisablehook = dropped  # the interruption is told in one line
     fd = signal.set_wakeup_fd(mouth.fileno(), warn_on_full_buffer=False)
     threading.Thread(target=listen, daemon=True).start()
     try:
@@ -76,6 +82,7 @@ def leaving_at_once() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(fd)
         signal.signal(signal.SIGINT, before)
+        sys.unraisablehook = sys.__unraisablehook__
         mouth.send(_STOP)
         if heard.is_set() and _speaks.acquire(blocking=False):
             _leave(INTERRUPTED)  # threads at work would be waited for

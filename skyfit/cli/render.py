@@ -57,7 +57,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
 @click.option("--elevation-deg", type=Number(-90, 90), default=10.0, show_default=True)
 @click.option(
     "--field-of-view-deg",
-    type=Number(0, 180, min_open=True, max_open=True),
+    type=Number(0.01, 180, max_open=True),
     default=65.0,
     show_default=True,
 )

@@ -181,9 +181,9 @@ class Perspective(AbstractCamera):
         """Refuse impossible sizes."""
         _check_pixels("Perspective(width=...)", self.width)
         _check_pixels("Perspective(height=...)", self.height)
-        if not 0 < self.field_of_view < np.pi:
+        if not 1e-4 <= self.field_of_view < np.pi:
             raise InputError(
-                "Perspective(field_of_view=...): expected 0 to pi rad; "
+                "Perspective(field_of_view=...): expected 0.0001 to pi rad; "
                 f"got {self.field_of_view:.6g}"
             )
         if not 0 <= self.altitude < np.inf:
