@@ -9,7 +9,7 @@ import dataclasses
 import json
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -145,12 +145,29 @@ def estimate_of(dataset: "xr.Dataset") -> ErrorEstimate | None:
         return None
     found = json.loads(dataset.attrs[ERRORS])
     expected = {field.name for field in dataclasses.fields(ErrorEstimate)}
-    if set(found) != expected:
+    if not isinstance(found, dict) or set(found) != expected:
         odd = ", ".join(sorted(set(found) ^ expected))
         raise InputError(
             f"dataset: attribute {ERRORS!r} is of another version; it differs in {odd}"
         )
+    if not _is_estimate(found):
+        raise InputError(f"dataset: attribute {ERRORS!r} is no estimate of an error")
     return ErrorEstimate(**found)
+
+
+def _is_estimate(found: dict[str, Any]) -> bool:
+    """Whether words and numbers stand where they should."""
+    at = found["worst_at"]
+    words = ("skies", "compared_with", "worst_at")
+    numbers = [value for name, value in found.items() if name not in words]
+    if not isinstance(at, dict):
+        return False
+    numbers += at.values()
+    return (
+        found["skies"] in CHECKS
+        and {"sun_zenith", "view_zenith", "relative_azimuth", "wavelength"} <= set(at)
+        and all(isinstance(number, int | float) and np.isfinite(number) for number in numbers)
+    )
 
 
 def covers(estimate: ErrorEstimate | None, skies: str) -> bool:

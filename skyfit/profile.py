@@ -32,14 +32,17 @@ class AbstractProfile(eqx.Module):
     def column(self, top: ArrayLike, num_panels: int = 240) -> Scalar:
         """Vertical column from the ground to `top` [m]: ∫ of the relative density.
 
-        Gauss quadrature on equal panels: exact for tabulated profiles whose knots fall on panel
-        edges (250 m under a 60 km top), within 1e-9 for scale heights down to 200 m.
+        Gauss quadrature on equal panels that are cut at the knots: exact for tabulated profiles,
+        within 1e-9 for scale heights down to 200 m.
         """
         x, w = np.polynomial.legendre.leggauss(5)
-        panel = as_parameter(top) / num_panels
-        start = jnp.arange(num_panels, dtype=panel.dtype) * panel
-        altitude = start[:, None] + 0.5 * panel * as_parameter(1 + x)[None, :]
-        return 0.5 * panel * jnp.sum(self(altitude) @ as_parameter(w))
+        end = as_parameter(top)
+        edges = jnp.arange(num_panels + 1, dtype=end.dtype) * (end / num_panels)
+        inside = jnp.clip(self.knots().astype(end.dtype), 0.0, end)
+        edges = jnp.sort(jnp.concatenate([edges, inside]))
+        start, panel = edges[:-1, None], jnp.diff(edges)[:, None]
+        altitude = start + 0.5 * panel * as_parameter(1 + x)[None, :]
+        return jnp.sum(0.5 * panel[:, 0] * (self(altitude) @ as_parameter(w)))
 
 
 class Exponential(AbstractProfile):
@@ -59,6 +62,10 @@ class Exponential(AbstractProfile):
     def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
         """Relative density [1] at altitudes [m]."""
         return jnp.exp(-as_float(altitude) / self.scale_height)
+
+    def column(self, top: ArrayLike, num_panels: int = 240) -> Scalar:
+        """Vertical column from the ground to `top` [m], H (1 - exp(-top / H))."""
+        return -self.scale_height * jnp.expm1(-as_parameter(top) / self.scale_height)
 
 
 class Tabulated(AbstractProfile):
@@ -131,6 +138,31 @@ class Squared(AbstractProfile):
     def knots(self) -> Float[Array, " knot"]:
         """Those of the other profile [m]."""
         return self.base.knots()
+
+
+class Raised(AbstractProfile):
+    """Another profile seen from ground that lies higher: altitudes count from that ground.
+
+    Args:
+        base: Relative density over the altitude above sea level.
+        by: Altitude of the ground above sea level, 0 or more [m].
+    """
+
+    base: AbstractProfile
+    by: Scalar
+
+    def __init__(self, base: AbstractProfile, by: ArrayLike):
+        name = "Raised(by=...)"
+        self.base = base
+        self.by = check(as_scalar(by, name), lambda v: ~(v >= 0), f"{name} must be 0 m or more")
+
+    def __call__(self, altitude: ArrayLike) -> Float[Array, "..."]:
+        """Relative density [1] at altitudes above the ground [m]."""
+        return self.base(as_float(altitude) + self.by)
+
+    def knots(self) -> Float[Array, " knot"]:
+        """Those of the other profile, the ground in place of what is below it [m]."""
+        return jnp.maximum(self.base.knots() - self.by, 0.0)
 
 
 _GEOPOTENTIAL_RADIUS = 6.356766e6  # m; r0 of NOAA-S/T 76-1562, equation 18

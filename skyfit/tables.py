@@ -7,11 +7,14 @@ import csv
 from functools import cache
 from importlib import resources
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
+from ._files import read_text
 from .errors import InputError
+
+
+MOST_BYTES = 50_000_000  # of a user's table
 
 
 @cache
@@ -61,10 +64,7 @@ def read_columns(path: str | PathLike[str], *names: str) -> tuple[np.ndarray, ..
         OSError: There is no such file.
         InputError: One line that names the file, the line or column, and what was expected.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: expected text in UTF-8; {error}") from None
+    text = read_text(path, MOST_BYTES)
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)

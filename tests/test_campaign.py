@@ -111,7 +111,7 @@ def test_a_half_dome_runs_through_the_azimuths_of_each_ring_in_turn():
             {"view_zenith": [1.0], "relative_azimuth": [90.0]},
             "relative_azimuth=.* finite values within .*12.5664.; got 90",
         ),
-        ({"orders": 0}, "orders=.* expected 1 or more, or None; got 0"),
+        ({"orders": 0}, "orders=.* expected 1 to 100, or None for all; got 0"),
         ({"observer_altitude": -1.0}, "observer_altitude=.* expected 0 m or more; got -1.0"),
         ({"geometry": "round"}, "geometry=.* expected one of 'spherical', .* got 'round'"),
         ({"quality": "best"}, "quality=.* expected one of 'draft', .* got 'best'"),
@@ -233,7 +233,7 @@ DEEP = "optical_depth = 0.1\n"
     [
         (AIR + "radius = 3", r"constituents\[0\].radius: unknown key; expected one of name, kind"),
         ("[planet]\nradius_km = 6371", "planet.radius_km: unknown key; did you mean radius_m?"),
-        ("[planet]\nradius_m = -1", "planet.radius_m: .*greater than 0; got -1"),
+        ("[planet]\nradius_m = -1", "planet.radius_m: .*or equal to 100000; got -1"),
         ("[planet]\nradius_m = 6e6", "constituents: planet is given, but nothing that scatters"),
         ("[atmosphere]\nozone = true\n" + AIR, "constituents: the .atmosphere. of kind preeth"),
         (AIR + AIR, r"constituents\[1\].name: air is taken"),

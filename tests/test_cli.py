@@ -127,7 +127,10 @@ def test_fit_prints_the_refit_beside_the_published_coefficients(campaign, tmp_pa
         (["simulate", "{campaign}", "--out", "s.nc", "--wokers", "2"], "No such option"),
         (["fit", "none.zarr", "--out", "fit.json"], "none.zarr: No such file or directory"),
         (["fit", "{campaign}", "--out", "fit.json"], "expected a name ending in .zarr or .nc"),
-        (["fit", "none.zarr", "--out", "{campaign}"], "small.toml exists already"),
+        (
+            ["fit", "none.zarr", "--out", "{campaign}"],
+            "small.toml: exists already; give another name or --overwrite",
+        ),
         (["reproduce", "--out", "{campaign}"], "small.toml: exists and is not a directory"),
         (["paint"], "No such command 'paint'"),
     ],

@@ -9,7 +9,7 @@ import skyfit
 
 
 ORDER = [
-    "errors", "_progress", "_typing",                         # what everything needs
+    "errors", "_files", "_progress", "_typing",                         # what everything needs
     "constants", "tables", "provenance",                      # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "phase_tables", "phase", "profile", "bands",              # what skies are made of
@@ -21,7 +21,7 @@ ORDER = [
     "judging", "retrieval",                                   # of fits, and of what made the skies
     "aerial", "marcher", "surfaces",                          # light on its way to eye and ground
     "render", "plots", "export", "compare", "report", "benchmark",  # what is made of them
-    "__init__", "cli",
+    "__init__", "cli", "__main__",
 ]  # fmt: skip
 ROOT = Path(skyfit.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))

@@ -195,7 +195,7 @@ def test_without_known_air_the_sun_must_be_left_out():
         (lambda: Fisheye(0), r"Fisheye\(pixels=...\): expected 1 to 16384; got 0"),
         (lambda: Fisheye(8, "stereographic"), "expected 'equidistant' or 'equal-area'"),
         (lambda: Panorama(20000), r"Panorama\(height=...\): expected 1 to 16384; got 20000"),
-        (lambda: Perspective(field_of_view=3.2), "expected 0 to pi rad; got 3.2"),
+        (lambda: Perspective(field_of_view=3.2), "expected 0.0001 to pi rad; got 3.2"),
         (lambda: Perspective(altitude=-1.0), "expected 0 m or more; got -1"),
     ],
 )

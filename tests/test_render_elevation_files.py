@@ -139,3 +139,31 @@ def test_impossible_heights_are_refused():
         Elevation(np.zeros((2, 3)), 1.0, 1.0)
     with pytest.raises(ValueError, match="expected a step above 0 m; got -1"):
         Elevation(np.zeros((3, 3)), -1.0, 1.0)
+
+
+@pytest.mark.parametrize(("latitude", "wide"), [(0.0, 1.0), (45.0, 2**0.5), (63.0, 2.2027)])
+def test_a_web_mercator_is_as_wide_as_the_land(written, latitude, wide):
+    # Mercator's scale is one over the cosine of the latitude: 2.2027 at 63 degrees.
+    y = 6378137.0 * np.log(np.tan(np.pi / 4 + np.radians(latitude) / 2))
+    land = load_elevation(written(crs="EPSG:3857", transform=Affine(30.0, 0, 1e6, 0, -20.0, y)))
+    # The sphere here is 0.1 % smaller than the map's, and the ellipsoid differs by 0.3 % from it.
+    assert float(land.east) == pytest.approx(30.0 / wide, rel=0.01)
+    assert float(land.north) == pytest.approx(20.0 / wide, rel=0.01)
+
+
+def test_degrees_on_a_map_of_metres_are_as_wide_as_the_land(written):
+    # Plate carree: 60 degrees north a metre on the map is half a metre eastwards.
+    y = np.radians(60.0) * 6371007.0
+    crs = "+proj=eqc +lat_ts=0 +R=6371007 +units=m"
+    land = load_elevation(written(crs=crs, transform=Affine(30.0, 0, 1e6, 0, -20.0, y)))
+    assert float(land.east) == pytest.approx(15.0, rel=0.01)
+    assert float(land.north) == pytest.approx(20.0, rel=0.01)
+
+
+def test_maps_that_are_turned_or_uneven_are_refused(written):
+    polar = written(crs="EPSG:3031", transform=Affine(30.0, 0, 1e6, 0, -20.0, 1e6))
+    with pytest.raises(ValueError, match="this map is turned"):
+        load_elevation(polar)
+    uneven = written(crs="EPSG:3857", transform=Affine(1e4, 0, 1e6, 0, -1e6, 8e6))
+    with pytest.raises(ValueError, match="expected a map of one scale"):
+        load_elevation(uneven)

@@ -30,6 +30,8 @@ from .swept import find_swept
 GEOMETRIES = ("spherical", "flat", "paper")
 
 SCHEMA = "skyfit/campaign/1"
+# What a record can hold in memory; more is several campaigns.
+MOST_DIRECTIONS, MOST_NUMBERS, MOST_ORDERS = 1_000_000, 1_000_000_000, 100
 
 
 Described = PaperAtmosphere | DescribedAtmosphere  # what can be described in words
@@ -113,8 +115,15 @@ class Campaign:
                 "Campaign: expected as many relative_azimuth as view_zenith, one a direction; "
                 f"got {len(azimuths)} and {len(angles)}"
             )
-        if orders is not None and (isinstance(orders, bool) or orders < 1):
-            raise InputError(f"Campaign(orders=...): expected 1 or more, or None; got {orders}")
+        if len(angles) > MOST_DIRECTIONS:
+            raise InputError(
+                f"Campaign(view_zenith=...): expected at most {MOST_DIRECTIONS} directions; got "
+                f"{len(angles)}"
+            )
+        if orders is not None and (isinstance(orders, bool) or not 1 <= orders <= MOST_ORDERS):
+            raise InputError(
+                f"Campaign(orders=...): expected 1 to {MOST_ORDERS}, or None for all; got {orders}"
+            )
         one_of("Campaign", "geometry", geometry, GEOMETRIES)
         one_of("Campaign", "quality", quality, tuple(QUALITIES))
         if not 0 <= observer_altitude < np.inf:
@@ -147,6 +156,13 @@ class Campaign:
         }
         for name, value in fields.items():
             object.__setattr__(self, name, value)
+        numbers = self.num_skies * len(angles) * len(self.wavelengths)
+        numbers *= 1 if not keep_orders else orders or MOST_ORDERS
+        if numbers > MOST_NUMBERS:
+            raise InputError(
+                f"Campaign: expected at most {MOST_NUMBERS} radiances; {self.num_skies} skies of "
+                f"{len(angles)} directions and {len(self.wavelengths)} wavelengths make {numbers}"
+            )
 
     @property
     def swept(self) -> tuple[str | None, tuple[float, ...]]:

@@ -1,5 +1,6 @@
 """What a campaign sweeps, by the kind of its atmosphere."""
 
+import keyword
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,7 +19,15 @@ from .given import takes
 TAKEN = {
     *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
     *("radiance", "radiance_by_order", "luminance", "x", "y", "done", "error_estimate"),
+    *("reliable", "local_time"),
+    # Arguments of the functions that take a swept parameter by its name.
+    *("self", "path", "wavelengths"),
 }
+
+
+def is_taken(name: str) -> bool:
+    """Whether no swept parameter can have a name: it is the dataset's, or none in Python."""
+    return name in TAKEN or not name.isidentifier() or keyword.iskeyword(name)
 
 
 def find_swept(
@@ -93,7 +102,7 @@ def _of_mapping(
     ((name, values),) = sweep.items()
     if name == "turbidity" and turbidity is None:
         return values, None
-    if name in TAKEN or not str(name).isidentifier():
+    if is_taken(str(name)):
         raise InputError(f"Campaign(sweep=...): {name} is taken, or no name; give another")
     key = OBSERVER_ALTITUDE if name == "observer_altitude" else name
     low = 0.0 if key == OBSERVER_ALTITUDE else -np.inf

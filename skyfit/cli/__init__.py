@@ -6,6 +6,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -15,12 +16,14 @@ from .benchmarks import benchmarks
 from .compare import compare
 from .export import export
 from .fit import fit
+from .interrupt import interrupted, leaving_at_once
 from .ladder import ladder
-from .output import BUG, INTERRUPTED, MISTAKE, complain
+from .output import BUG, MISTAKE, complain, print_anywhere
 from .programs import keep_programs, no_cache
 from .render import render
 from .reproduce import reproduce
 from .simulate import simulate
+from .wording import for_command_line
 
 
 TRACEBACK = "SKYFIT_TRACEBACK"  # of the environment
@@ -34,18 +37,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
     interrupted.
     """
     keep_programs()
-    sys.exit(run(arguments))
+    with leaving_at_once():
+        status = run(arguments)
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
     warnings.showwarning = _one_line
+    print_anywhere()
     try:
         return commands.main(args=arguments, prog_name="skyfit", standalone_mode=False) or 0
     except click.ClickException as error:
         return complain(error.format_message(), MISTAKE)
     except (KeyboardInterrupt, click.Abort):
-        return complain("interrupted", INTERRUPTED)
+        return interrupted()
     except Exception as error:
         if isinstance(error, OSError) and error.filename is not None:
             return complain(f"{error.filename}: {error.strerror}", MISTAKE)
@@ -54,7 +60,25 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return _admit(error)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]}, invoke_without_command=True)
+class _Group(click.Group):
+    """Commands whose messages name options."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that was typed."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:  # before click prints an empty line for it
+            return interrupted()
+        except InputError as error:
+            command = self.commands.get(str(ctx.invoked_subcommand))
+            raise InputError(for_command_line(str(error), command)) from error
+
+
+@click.group(
+    cls=_Group,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    invoke_without_command=True,
+)
 @click.version_option(package_name="skyfit")
 @click.pass_context
 def commands(context: click.Context) -> None:
@@ -79,8 +103,11 @@ for command in (simulate, fit, ladder, export, compare, reproduce, render, bench
 
 
 def _one_line(message, category, filename, lineno, file=None, line=None) -> None:
-    """A warning as one line on standard error."""
-    print(f"skyfit: warning: {message}", file=sys.stderr)  # noqa: T201
+    """A warning of skyfit's as one line on standard error; those of libraries are for programs."""
+    if category is UserWarning or category.__module__.partition(".")[0] == "skyfit":
+        context = click.get_current_context(silent=True)
+        text = for_command_line(str(message), context and context.command)
+        click.echo(f"skyfit: warning: {' '.join(text.split())}", err=True)
 
 
 def _admit(error: Exception) -> int:

@@ -8,7 +8,7 @@ import skyfit
 from skyfit.transfer.quality import QUALITIES
 
 from .options import as_json
-from .output import console, print_json, progress
+from .output import print_json, print_table, progress
 
 
 _COLUMNS = {
@@ -110,8 +110,7 @@ def benchmarks(
     if as_json:
         print_json(record)
         return 0
-    terminal = console()
-    terminal.print("; ".join(f"{name} {value}" for name, value in record["machine"].items()))
+    click.echo("; ".join(f"{name} {value}" for name, value in record["machine"].items()))
     titles = {
         "skies": (f"12 suns × 343 directions × 41 wavelengths, quality {quality}", _COLUMNS),
         "qualities": ("Every quality, two orders, 64 bits", _QUALITIES),
@@ -120,7 +119,7 @@ def benchmarks(
     }
     for name, (title, columns) in titles.items():
         if name in record:
-            terminal.print(_table(title, columns, record[name]))
+            print_table(_table(title, columns, record[name]))
     return 0
 
 

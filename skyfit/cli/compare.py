@@ -10,24 +10,24 @@ import skyfit
 from skyfit.fitting import paper_refit
 from skyfit.render.source_files import REFIT
 
-from .options import as_json, settings
-from .output import print_json, progress
+from .options import FILE, Number, as_json, settings
+from .output import print_json, print_table, progress
 from .place import in_degrees
 
 
 @click.command()
 @click.option(
     "--sun-zenith-deg",
-    type=click.FloatRange(0, 180),
+    type=Number(0, 180),
     required=True,
     callback=in_degrees,
     help="Zenith angle of the sun, in degrees.",
 )
-@click.option("--turbidity", type=click.FloatRange(min=1), required=True, help="1 or more.")
+@click.option("--turbidity", type=Number(min=1), required=True, help="1 or more.")
 @click.option(
     "--fit",
     "fits",
-    type=click.Path(path_type=Path),
+    type=FILE,
     multiple=True,
     help="A fit file to compare as well, or the word refit; may be repeated.",
 )
@@ -55,7 +55,6 @@ def compare(
 
 
 def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", box=None, pad_edge=False)
@@ -76,18 +75,13 @@ def _print_rows(rows: list[dict[str, Any]], title: str) -> None:
             _short(row["diffuse_illuminance"] / unit),
             *(f"{x:.3f} {y:.3f}" for x, y in row["chromaticity"].values()),
         )
-    # As wide as the table, whatever it is printed to.
-    terminal = Console(highlight=False, width=120)
-    with terminal.capture() as printed:
-        terminal.print(table)
-    for line in printed.get().splitlines():
-        terminal.print(line.rstrip())
-    terminal.print("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
+    print_table(table)
+    click.echo("Luminances in kcd/m²; diffuse: light of the sky alone on the ground, in klx.")
     for row in rows:
         if row["white"]:
-            terminal.print(f"† In units of {row['white']}.")
+            click.echo(f"† In units of {row['white']}.")
         if row["outside"]:
-            terminal.print(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
+            click.echo(f"* {row['model']}: {'; '.join(row['outside'])}; held at the end.")
 
 
 def _short(value: float) -> str:

@@ -7,12 +7,13 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit._files import refuse_target, write_text
 from skyfit.export import FORMATS, TARGETS, radiance_scene
 from skyfit.export.write import RADIANCE
 from skyfit.fitting import paper_refit
 from skyfit.render.source_files import PUBLISHED, REFIT
 
-from .options import as_json, settings
+from .options import FILE, Number, as_json, overwrite, settings
 from .output import print_record
 
 
@@ -27,15 +28,18 @@ from .output import print_record
     help="A language: python needs NumPy only, json has the numbers. Or a renderer, for a file "
     "that runs as it is; for radiance, --out ends in .rad, and the .cal is written beside it.",
 )
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Where the code goes.")
+@click.option("--out", type=FILE, required=True, help="Where the code goes.")
 @click.option(
     "--name", default="sky", show_default=True, help="What the functions' names begin with."
 )
-@click.option("--sun-zenith-deg", type=click.FloatRange(0, 180), help="Of a .rad; 45 if absent.")
-@click.option("--sun-azimuth-deg", type=float, help="Of a .rad; compass, 180 if absent.")
+@click.option("--sun-zenith-deg", type=Number(0, 180), help="Of a .rad; 45 if absent.")
+@click.option("--sun-azimuth-deg", type=Number(), help="Of a .rad; compass, 180 if absent.")
 @settings
+@overwrite
 @as_json
-def export(sky: str, language: str, out: Path, name: str, as_json: bool, **scene: Any) -> int:
+def export(
+    sky: str, language: str, out: Path, name: str, overwrite: bool, as_json: bool, **scene: Any
+) -> int:
     """Write a sky formula as source code for a renderer.
 
     SKY is a fit file, or the word "published", or "refit": the paper's formula fitted to the
@@ -49,8 +53,7 @@ def export(sky: str, language: str, out: Path, name: str, as_json: bool, **scene
     elif any(value not in (None, {}) for value in scene.values()):
         raise click.UsageError("--sun-zenith-deg, --sun-azimuth-deg, --set: only for radiance")
     for file in files:
-        if file.exists():
-            raise click.UsageError(f"--out: {file} exists already; give another name")
+        refuse_target(file, overwrite=overwrite)
     formula, settings = _formula(sky, scene["settings"] if language == RADIANCE else None)
     texts = [skyfit.export_fit(formula, language, name=name)]
     if language == RADIANCE:
@@ -62,7 +65,7 @@ def export(sky: str, language: str, out: Path, name: str, as_json: bool, **scene
         )
         texts.insert(0, found)
     for file, text in zip(files, texts, strict=True):
-        file.write_text(text, encoding="utf-8")
+        write_text(file, text)
     lines = sum(text.count("\n") for text in texts)
     written = ", ".join(map(str, files))
     print_record({"out": written, "format": language, "lines": lines}, as_json)

@@ -7,19 +7,18 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit._files import refuse_target
 from skyfit.colour import PAPER_CHANNELS
 from skyfit.fitting.choices import ZENITHS
 from skyfit.report.coefficients import has_published_form
 
-from .options import as_json
-from .output import console, print_json, progress
+from .options import FILE, as_json, overwrite
+from .output import print_json, print_table, progress
 
 
 @click.command()
-@click.argument("sky", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="Where the fit goes (JSON)."
-)
+@click.argument("sky", type=FILE)
+@click.option("--out", type=FILE, required=True, help="Where the fit goes (JSON).")
 @click.option(
     "--distribution",
     default="perez",
@@ -65,6 +64,7 @@ from .output import console, print_json, progress
     is_flag=True,
     help="Print the published form's coefficients by every choice of weights too.",
 )
+@overwrite
 @as_json
 def fit(
     sky: Path,
@@ -76,14 +76,14 @@ def fit(
     weights: Any,
     residuals: Any,
     compare_weights: bool,
+    overwrite: bool,
     as_json: bool,
 ) -> int:
     """Fit the sky model's coefficients to the skies in SKY and print them.
 
     For the published form, the published coefficients stand beside them.
     """
-    if out.exists():
-        raise click.UsageError(f"--out: {out} exists already; give another name")
+    refuse_target(out, overwrite=overwrite)
     skies = skyfit.load_dataset(sky)
     with progress("fitting", quiet=as_json):
         found = skyfit.fit_sky(
@@ -119,11 +119,11 @@ def _print(found: Any, record: dict[str, Any]) -> None:
     if "coefficients" in record:
         _print_coefficients(record["coefficients"])
     else:
-        console().print(f"{found.distribution.formula}", soft_wrap=True)
-        console().print(f"{record['numbers']} numbers a channel")
+        click.echo(found.distribution.formula)
+        click.echo(f"{record['numbers']} numbers a channel")
     _print_diagnostics(record)
     if found.positivity is not None:
-        console().print(found.positivity.sentence(), soft_wrap=True)
+        click.echo(found.positivity.sentence())
     if "weights" in record:
         _print_weights(record["weights"])
 
@@ -131,15 +131,15 @@ def _print(found: Any, record: dict[str, Any]) -> None:
 def _print_diagnostics(record: dict[str, Any]) -> None:
     """How good each channel's fit is, and what the skies leave open."""
     chosen = record["settings"]
-    console().print(f"Weights {chosen['weights']}, residuals {chosen['residuals']}:")
+    click.echo(f"Weights {chosen['weights']}, residuals {chosen['residuals']}:")
     for name, one in record["diagnostics"].items():
         line = (
             f"{name:<8} RMS {one['rms']:.2%}, worst {one['worst']:.0%}, condition number "
             f"{one['condition']:.3g}" + ("" if one["converged"] else ", not converged")
         )
-        console().print(line, soft_wrap=True)
+        click.echo(line)
         for combination in one["unidentified"]:
-            console().print(f"{'':<8} not determined by the skies: {combination}", soft_wrap=True)
+            click.echo(f"{'':<8} not determined by the skies: {combination}")
 
 
 def _print_weights(compared: dict[str, Any]) -> None:
@@ -161,9 +161,7 @@ def _print_weights(compared: dict[str, Any]) -> None:
             values = [one["rms"][channel][measure] for one in compared.values()]
             rows.add_row(f"{channel} RMS {measure}", *(f"  {value:.2%}" for value in values))
         rows.add_section()
-    screen = console()
-    screen.width = max(screen.width, 100)  # a number cut short would be worse than a broken line
-    screen.print(rows)
+    print_table(rows)
 
 
 def _print_coefficients(table: dict[str, Any]) -> None:
@@ -184,4 +182,4 @@ def _print_coefficients(table: dict[str, Any]) -> None:
                 cells.append("" if row["published"] is None else f"{row['published']:.5g}")
             rows.add_row(channel, letter, *cells)
         rows.add_section()
-    console().print(rows)
+    print_table(rows)

@@ -8,15 +8,15 @@ import click
 
 import skyfit
 
-from .options import as_json
-from .output import console, print_json, progress
+from .options import FILE, as_json
+from .output import print_json, print_table, progress
 
 
 @click.command()
-@click.argument("sky", type=click.Path(path_type=Path))
+@click.argument("sky", type=FILE)
 @click.option(
     "--held-out",
-    type=click.Path(path_type=Path),
+    type=FILE,
     help="Skies to judge by; without them SKY is cross-validated.",
 )
 @click.option(
@@ -97,6 +97,6 @@ def _print(rungs: list[Any], claim: str | None) -> None:
             "" if rung.positivity is None else ("yes" if rung.positivity.holds else "no"),
             f"{rung.seconds:.1f}",
         )
-    console().print(rows)
+    print_table(rows)
     if claim:
-        console().print(claim, soft_wrap=True)
+        click.echo(claim)

@@ -1,6 +1,9 @@
 """What commands print: results on standard output, progress and messages on standard error."""
 
+import codecs
+import io
 import json
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -12,13 +15,35 @@ from skyfit.transfer.compiling import told_of_compiling
 
 COMPILING = "compiling the simulator, about 20 s, once"
 MISTAKE, BUG, INTERRUPTED = 2, 1, 130  # exit statuses
-_WHOLE_TABLE = 140  # columns of the widest, `skyfit ladder`'s; rich takes 80 where it cannot ask
+_WIDEST = 1000  # columns of a table
 
 
 def complain(message: str, status: int) -> int:
     """Say in one line on standard error what went wrong; return the exit status."""
     click.echo(f"skyfit: {' '.join(message.split())}", err=True)
     return status
+
+
+# Letters of what commands print, where a terminal has ASCII or a code page alone.
+_PLAIN = {
+    "°": "deg", "²": "2", "³": "3", "θ": "theta", "γ": "gamma", "χ": "chi", "Σ": "sum", "√": "sqrt",
+    "×": "x", "±": "+-", "≤": "<=", "≥": ">=", "†": "+", "→": "->", "–": "-", "⁻": "^-", "¹": "1",
+}  # fmt: skip
+
+
+def print_anywhere() -> None:
+    """Let no letter that a terminal does not have stop a result from being printed."""
+    codecs.register_error("skyfit", _plainly)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="skyfit")
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    letters = error.object[error.start : error.end]
+    return "".join(_PLAIN.get(letter, "?") for letter in letters), error.end
 
 
 @contextmanager
@@ -66,9 +91,15 @@ def print_record(record: dict[str, Any], as_json: bool) -> None:
         click.echo(f"{name:<12} {value}")
 
 
-def console():
-    """Standard output, without highlighting of numbers; into a file or pipe tables go whole."""
+def print_table(table: Any) -> None:
+    """Print a table whole, however narrow the terminal: a number cut short is none."""
     from rich.console import Console
+    from rich.measure import Measurement
 
-    terminal = Console(highlight=False)
-    return terminal if terminal.is_terminal else Console(highlight=False, width=_WHOLE_TABLE)
+    terminal = Console(highlight=False, markup=False, emoji=False)
+    wide = terminal.options.update(max_width=_WIDEST)
+    terminal.width = max(1, Measurement.get(terminal, wide, table).maximum)
+    with terminal.capture() as printed:
+        terminal.print(table)
+    for line in printed.get().splitlines():
+        click.echo(line.rstrip())

@@ -8,9 +8,11 @@ import numpy as np
 
 import skyfit
 from skyfit.render import AIRS, GAMUTS, PRECISIONS, PROJECTIONS, TONES
+from skyfit.render.terrain import check_samples
 
-from .options import as_json, settings
-from .output import INTERRUPTED, complain, print_record, progress
+from .interrupt import on_interrupt
+from .options import FILE, Number, as_json, overwrite, settings
+from .output import print_record, progress
 from .place import DAY, in_degrees, refuse_still, sun_of_still
 
 
@@ -18,25 +20,26 @@ VIEWS = ("fisheye", "panorama", "perspective")
 
 
 @click.command()
-@click.argument("sky", type=click.Path(path_type=Path), required=False)
+@click.argument("sky", type=FILE, required=False)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=FILE,
     required=True,
     help="Ends in .exr, .hdr or .png; .gif or .apng for a day.",
 )
 @click.option(
     "--turbidity",
-    type=float,
-    help="Of the sky where the file has several or none; or the value of what else it sweeps.",
+    type=Number(),
+    help="3 where there is no SKY; of the sky where the file has several or none; or the value of "
+    "what else it sweeps.",
 )
 @settings
 @click.option(
-    "--sun-zenith-deg", type=click.FloatRange(0, 180), callback=in_degrees,
+    "--sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
     help="45 if absent, or the sun of the one sky in SKY.",
 )  # fmt: skip
 @click.option(
-    "--sun-azimuth-deg", type=click.FloatRange(-360, 360),
+    "--sun-azimuth-deg", type=Number(-360, 360),
     help="Compass: 0 north, 90 east; 180 if absent.",
 )  # fmt: skip
 @click.option("--view", type=click.Choice(VIEWS), default="fisheye", show_default=True)
@@ -50,33 +53,46 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )  # fmt: skip
 @click.option("--width", type=click.IntRange(1, 16384), help="Columns of a perspective; 4/3 rows.")
 @click.option(
-    "--facing-deg", type=float, default=0.0, show_default=True,
+    "--facing-deg", type=Number(), default=0.0, show_default=True,
     help="Azimuth at a fisheye's top, or in the middle of another view.",
 )  # fmt: skip
-@click.option("--elevation-deg", type=click.FloatRange(-90, 90), default=10.0, show_default=True)
-@click.option("--field-of-view-deg", type=float, default=65.0, show_default=True)
-@click.option("--altitude-m", type=click.FloatRange(0), default=0.0, show_default=True)
+@click.option("--elevation-deg", type=Number(-90, 90), default=10.0, show_default=True)
+@click.option(
+    "--field-of-view-deg",
+    type=Number(0.01, 180, max_open=True),
+    default=65.0,
+    show_default=True,
+)
+@click.option("--altitude-m", type=Number(0), default=0.0, show_default=True)
 @click.option("--sun/--no-sun", "sun_disc", default=True, help="Show the sun's disc.")
 @click.option(
-    "--ground-albedo", type=click.FloatRange(0, 1),
+    "--ground-albedo", type=Number(0, 1),
     help="Below the horizon; 0.2 if absent, or the atmosphere's own.",
 )  # fmt: skip
-@click.option("--latitude-deg", type=click.FloatRange(-90, 90), help="Of a time, or of a day.")
-@click.option("--longitude-deg", type=click.FloatRange(-180, 360), help="Of a time; east.")
+@click.option("--latitude-deg", type=Number(-90, 90), help="Of a time, or of a day.")
+@click.option("--longitude-deg", type=Number(-180, 360), help="Of a time; east.")
 @click.option(
     "--time",
     help="Of one picture: 2024-06-21T12:00+02:00; or solar time as 12:00, with --day-of-year.",
 )
 @click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day, or of a solar time.")
 @click.option(
-    "--to-sun-zenith-deg", type=click.FloatRange(0, 180), callback=in_degrees,
+    "--to-sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
     help="In place of a day: the sun moves here from --sun-zenith-deg.",
 )  # fmt: skip
 @click.option(
     "--frames", type=click.IntRange(1, 2000), default=96, show_default=True, help="Of a day."
 )
-@click.option("--seconds", type=float, default=8.0, show_default=True, help="A day lasts.")
-@click.option("--ev", type=float, help="Exposure value (ISO 100) of a PNG; automatic if absent.")
+@click.option(
+    "--seconds",
+    type=Number(0, 3600, min_open=True),
+    default=8.0,
+    show_default=True,
+    help="A day lasts.",
+)
+@click.option(
+    "--ev", type=Number(-100, 100), help="Exposure value (ISO 100) of a PNG; automatic if absent."
+)
 @click.option(
     "--tone", type=click.Choice(TONES), default="aces", show_default=True,
     help="Tone curve of a PNG.",
@@ -90,18 +106,18 @@ VIEWS = ("fisheye", "panorama", "perspective")
     help="Of an EXR.",
 )  # fmt: skip
 @click.option(
-    "--terrain", type=click.Path(path_type=Path),
+    "--terrain", type=FILE,
     help="Heights (.npz, .tif) to stand on, or the word sample; for --view perspective.",
 )  # fmt: skip
-@click.option("--eye-east-m", type=float, help="Of the terrain's corner; its middle if absent.")
-@click.option("--eye-north-m", type=float, help="Of the terrain's corner; its middle if absent.")
+@click.option("--eye-east-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
+@click.option("--eye-north-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
 @click.option(
     "--aerial", type=click.Choice(AIRS), default="paper", show_default=True,
     help="Air before the terrain.",
 )  # fmt: skip
 @click.option("--shafts", is_flag=True, help="The terrain shades the air too.")
 @click.option("--samples", type=int, default=16, show_default=True, help="Per pixel of a terrain.")
-@click.option("--overwrite", is_flag=True, help="Replace the picture that is there.")
+@overwrite
 @as_json
 def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     """Make a picture of a sky: fisheye dome, panorama, perspective, or a day of them.
@@ -113,13 +129,16 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     after an interruption the same command continues.
     """
     look = skyfit.render
+    check_samples(options["samples"])
     kind = look.check_target(out, options["overwrite"])
     camera = _camera(options)
     moving = kind in (".gif", ".apng")
     given, azimuth = _sun(options, moving)
-    if options["terrain"] is not None and moving:
-        raise click.UsageError("--terrain: only for one picture, not for a day")
-    land = _land(options["terrain"], options["view"], options["shafts"])
+    if moving:
+        if options["terrain"] is not None:
+            raise click.UsageError("--terrain: only for one picture, not for a day")
+        _suns(options, 0.0, 0.0)  # whether it is a day, before its sky is looked for
+    land = _land(options["terrain"], options["view"], options["shafts"], options["aerial"])
     height = 0.0 if land is not None else options["altitude_m"]
     source = look.load_source(sky, options["turbidity"], given, height, options["settings"])
     shown = {name: options[name] for name in ("sun_disc", "ground_albedo")}
@@ -128,17 +147,19 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     with progress("rendering", quiet=as_json) as bar:
         if moving:
             suns, kept = _suns(options, zenith, azimuth), look.frames_directory(out)
-            try:
+
+            def words() -> str | None:
+                written = out.exists() and not options["overwrite"]
+                if written or not (kept / "record.json").exists():
+                    return None
+                done = len(list(kept.glob("*.light")))
+                return f"{done} of {len(suns)} frames are in {kept}; the same command continues"
+
+            with on_interrupt(words):
                 record = look.animate(
                     out, source, camera, suns, seconds=options["seconds"],
                     progress=bar, **saved, **shown,
                 )  # fmt: skip
-            except KeyboardInterrupt:
-                written = out.exists() and not options["overwrite"]
-                if written or not (kept / "record.json").exists():
-                    raise
-                done = f"{len(list(kept.glob('*.light')))} of {len(suns)} frames are in {kept}"
-                return complain(f"interrupted: {done}; the same command continues", INTERRUPTED)
             record = {"sky": source.name, **record}
         else:
             picture = (
@@ -152,11 +173,13 @@ def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
     return 0
 
 
-def _land(terrain: Path | None, view: str, shafts: bool):
+def _land(terrain: Path | None, view: str, shafts: bool, aerial: str):
     if terrain is None:
         if shafts:
             raise click.UsageError("--shafts: only with --terrain")
         return None
+    if shafts and aerial != "paper":
+        raise click.UsageError("--shafts: only with --aerial paper")
     if view != "perspective":
         raise click.UsageError("--terrain: only for --view perspective")
     look = skyfit.render
@@ -169,8 +192,6 @@ def _landscape(source, land, camera, zenith, azimuth, options, bar):
     albedo = source.ground_albedo if albedo is None else albedo
     east, north = options["eye_east_m"], options["eye_north_m"]
     eye = (wide / 2 if east is None else east, deep / 2 if north is None else north)
-    if options["shafts"] and options["aerial"] != "paper":
-        raise click.UsageError("--shafts: only with --aerial paper")
     air = look.air_before(source, zenith, options["aerial"], albedo, sunlight=options["sun_disc"])
     return look.render_terrain(
         source, land, camera, eye, zenith, azimuth, air, ground_albedo=albedo,

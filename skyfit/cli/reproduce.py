@@ -8,14 +8,14 @@ import click
 import skyfit
 from skyfit.colour import PAPER_CHANNELS
 
-from .options import as_json, workers
-from .output import console, print_json, progress
+from .options import FILE, as_json, workers
+from .output import print_json, print_table, progress
 
 
 @click.command()
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=FILE,
     default=Path("skyfit-report"),
     show_default=True,
     help="Directory of the report; made if absent.",
@@ -61,9 +61,8 @@ def _print_report(report: dict[str, Any], out: Path) -> None:
     claims.add_column("verdict")
     for claim in report["claims"]:
         claims.add_row(claim["id"].replace("_", " "), claim["verdict"])
-    terminal = console()
     for table in (shapes, sky, claims):
-        terminal.print(table)
+        print_table(table)
     spent = ", ".join(f"{stage} {seconds:.1f} s" for stage, seconds in report["seconds"].items())
-    terminal.print(spent, soft_wrap=True)
-    terminal.print(f"report: {out / 'report.html'}", soft_wrap=True)
+    click.echo(spent)
+    click.echo(f"report: {out / 'report.html'}")

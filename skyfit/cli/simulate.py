@@ -8,17 +8,19 @@ from typing import Any
 import click
 
 import skyfit
+from skyfit.dataset.files import check_suffix
 from skyfit.error_estimate import CHECKS, ErrorEstimate, estimate_of
 
-from .options import as_json, workers
-from .output import INTERRUPTED, complain, print_record, progress
+from .interrupt import on_interrupt
+from .options import FILE, as_json, overwrite, workers
+from .output import print_record, progress
 
 
 @click.command()
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=FILE)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=FILE,
     required=True,
     help="Where the skies go: a name ending in .zarr (resumable) or .nc.",
 )
@@ -30,8 +32,11 @@ from .output import INTERRUPTED, complain, print_record, progress
     show_default=True,
     help="Say how far the radiances may be off, from a few skies or from all.",
 )
+@overwrite
 @as_json
-def simulate(campaign: Path, out: Path, workers: int, estimate_error: str, as_json: bool) -> int:
+def simulate(
+    campaign: Path, out: Path, workers: int, estimate_error: str, overwrite: bool, as_json: bool
+) -> int:
     """Simulate the skies of the file CAMPAIGN (TOML).
 
     A .zarr store keeps every finished sky: after an interruption the same command continues it.
@@ -40,6 +45,7 @@ def simulate(campaign: Path, out: Path, workers: int, estimate_error: str, as_js
     Skies that are in a finished store are not simulated again for it. An estimate above 2 % is
     warned of; the exit status is 0 all the same.
     """
+    check_suffix(out)
     plan = skyfit.load_campaign(campaign)
     done = [0, plan.num_skies]
     with progress("skies", quiet=as_json) as bar:
@@ -49,15 +55,20 @@ def simulate(campaign: Path, out: Path, workers: int, estimate_error: str, as_js
                 done[0] = finished
             bar(stage, finished, total)
 
-        try:
-            skies = skyfit.run_campaign(
-                plan, advance, out, workers=workers, estimate_error=estimate_error
-            )
-        except KeyboardInterrupt:
+        def words() -> str | None:
             if out.suffix != ".zarr" or not out.exists():
-                raise
-            hint = f"{done[0]} of {done[1]} skies are in {out}; the same command continues"
-            return complain(f"interrupted: {hint}", INTERRUPTED)
+                return None
+            return f"{done[0]} of {done[1]} skies are in {out}; the same command continues"
+
+        with on_interrupt(words):
+            skies = skyfit.run_campaign(
+                plan,
+                advance,
+                out,
+                workers=workers,
+                estimate_error=estimate_error,
+                overwrite=overwrite,
+            )
     rows = {
         "skies": plan.num_skies,
         "directions": skies.sizes["direction"],

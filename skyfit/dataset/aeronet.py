@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._files import read_text
 from .._typing import ArrayLike, as_wavelengths
 from ..atmosphere import Constituent
 from ..campaign.description.aerosols import phase_between
 from ..constants import TOP_OF_ATMOSPHERE
 from ..errors import InputError, not_found
 from ..profile import AbstractProfile, elterman_haze
+from ..tables import MOST_BYTES
 
 
 MISSING = -999.0
@@ -69,7 +71,7 @@ def read_aeronet(*paths: str | PathLike[str]) -> xr.Dataset:
 def _read(path: Path) -> xr.Dataset:
     if not path.exists():
         raise not_found(path)
-    lines = path.read_text(encoding="latin-1").splitlines()
+    lines = read_text(path, MOST_BYTES, "latin-1").splitlines()
     start = next((k for k, line in enumerate(lines) if "Date(dd:mm:yyyy)," in line), None)
     if start is None:
         raise InputError(f"{path}: expected a line of columns with Date(dd:mm:yyyy); there is none")

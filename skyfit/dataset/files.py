@@ -1,15 +1,17 @@
 """Sky datasets on disk: zarr stores and netCDF files."""
 
-import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
+from .._files import make_room, whole
 from ..error_estimate import ERRORS, covers, estimate_of
 from ..errors import InputError, not_found
+from .form import refuse_impossible_numbers, refuse_malformed
 from .record import SCHEMA
 
 
@@ -32,27 +34,40 @@ def save_dataset(
         InputError: Another ending; something is there that must not be replaced; what could not be
             read back: no skies, or simulated ones with a NaN or an infinity.
     """
-    kind = check_suffix(path)
     missing = [name for name in _NEEDED if name not in dataset.variables]
     if missing or not {"radiance", "luminance"} & set(dataset.variables):
         words = ", ".join(missing or ["radiance or luminance"])
         raise InputError(f"save_dataset(dataset=...): expected skies; there is no {words}")
-    _refuse_holes(dataset, "save_dataset(dataset=...)")
+    refuse_impossible_numbers("save_dataset(dataset=...)", dataset)
     dataset = dataset.assign_attrs(schema=SCHEMA)
-    if Path(path).exists():
+    kind = refuse_dataset(path, overwrite=overwrite)
+    with whole(path) as begun:
+        if kind == ".zarr":
+            dataset.to_zarr(begun, mode="w", consolidated=False)
+        else:
+            dataset.to_netcdf(begun, engine="netcdf4")
+
+
+def refuse_dataset(path: str | PathLike[str], *, overwrite: bool) -> str:
+    """The kind of file a name stands for; its folder is made if need be.
+
+    Raises:
+        InputError: Another ending; something is there that must not be replaced; nothing can be
+            written there.
+    """
+    kind = check_suffix(path)
+    if holds_something(path):
         stored_attributes(path)
         if not overwrite:
             raise InputError(f"{path}: exists already; give another name or overwrite=True")
-    if kind == ".zarr":
-        dataset.to_zarr(path, mode="w", consolidated=False)
-    else:
-        # A record that is replaced stays whole until the new one is.
-        begun = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-        try:
-            dataset.to_netcdf(begun, engine="netcdf4")
-            begun.replace(path)
-        finally:
-            begun.unlink(missing_ok=True)
+    make_room(path)
+    return kind
+
+
+def holds_something(path: str | PathLike[str]) -> bool:
+    """Whether there is anything under a name but an empty file, such as a full disk leaves."""
+    path = Path(path)
+    return path.exists() and not (path.is_file() and path.stat().st_size == 0)
 
 
 def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
@@ -77,19 +92,8 @@ def load_dataset(path: str | PathLike[str]) -> xr.Dataset:
         dataset = dataset.drop_vars("done")
     if ERRORS in dataset and not covers(estimate_of(dataset), "all"):
         dataset = dataset.drop_vars(ERRORS)  # interrupted before every sky had one
-    _refuse_holes(dataset, path)
+    refuse_impossible_numbers(path, dataset)
     return dataset
-
-
-def _refuse_holes(dataset: xr.Dataset, where: object) -> None:
-    simulated = "campaign" in dataset.attrs
-    for name, array in dataset.data_vars.items():
-        if array.dtype.kind not in "fc":
-            continue
-        values = array.values
-        bad = int(np.count_nonzero(~np.isfinite(values) if simulated else np.isinf(values)))
-        if bad:
-            raise InputError(f"{where}: {name} has {bad} non-finite values of {array.size}")
 
 
 def check_suffix(path: str | PathLike[str]) -> str:
@@ -114,13 +118,11 @@ def stored_attributes(path: str | PathLike[str]) -> dict[str, Any]:
     kind = check_suffix(path)
     if not Path(path).exists():
         raise not_found(path)
-    try:
-        with _open(path, kind) as dataset:
-            attributes = dict(dataset.attrs)
-    except (OSError, ValueError, KeyError):
-        raise InputError(f"{path}: exists and is not a sky dataset") from None
-    if (schema := attributes.get("schema", "missing")) != SCHEMA:
-        raise InputError(f"{path}: schema is {schema!r}, expected {SCHEMA!r}")
+    with _opened(path, kind) as dataset:
+        attributes = dict(dataset.attrs)
+    schema = attributes.get("schema", "missing")
+    if not isinstance(schema, str) or schema != SCHEMA:
+        raise InputError(f"{path}: schema is {schema!r:.60}, expected {SCHEMA!r}")
     return attributes
 
 
@@ -130,6 +132,24 @@ def _open(path: str | PathLike[str], kind: str) -> xr.Dataset:
     return xr.open_dataset(path, engine="netcdf4")
 
 
+@contextmanager
+def _opened(path: str | PathLike[str], kind: str) -> Iterator[xr.Dataset]:
+    """A dataset on disk; what libraries say of one that they cannot read is put into one line."""
+    try:
+        if not Path(path).is_file() and not Path(path).is_dir():
+            raise OSError("a device")
+        with _open(path, kind) as dataset:
+            yield dataset
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # of any kind, from four libraries
+        words = " ".join(str(error).split())[:100]
+        raise InputError(
+            f"{path}: exists and is not a sky dataset, or is damaged ({words})"
+        ) from None
+
+
 def _read(path: str | PathLike[str]) -> xr.Dataset:
-    with _open(path, check_suffix(path)) as dataset:
+    with _opened(path, check_suffix(path)) as dataset:
+        refuse_malformed(path, dataset)
         return dataset.load()

@@ -108,10 +108,15 @@ def campaign_of(dataset: xr.Dataset) -> Campaign:
     """
     if "campaign" not in dataset.attrs:
         raise InputError("dataset: attribute 'campaign' is missing; it was not simulated by skyfit")
-    plan = json.loads(dataset.attrs["campaign"])
-    if plan["atmosphere"].get("kind") == KIND:
-        plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])
-    return Campaign.from_dict(plan)
+    try:
+        plan = json.loads(dataset.attrs["campaign"])
+        if plan["atmosphere"].get("kind") == KIND:
+            plan["atmosphere"]["atmospheres"] = json.loads(dataset.attrs["atmosphere"])
+        return Campaign.from_dict(plan)
+    except InputError:
+        raise
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"dataset: attribute 'campaign' is damaged; {error!r}") from None
 
 
 def _dims(name: str, front: tuple[str, ...]) -> tuple[str, ...]:

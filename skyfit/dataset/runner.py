@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from os import PathLike
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -28,9 +27,9 @@ from ..error_estimate import (
 from ..errors import InputError
 from ..transfer.simulate_sky import coarser_radiance, simulate
 from ..transfer.trust import estimated_error, refuse_impossible
-from .files import check_suffix, load_dataset, save_dataset
+from .files import check_suffix, save_dataset
 from .record import sky_dataset, sky_variables, with_errors
-from .store import SkyStore, empty_skies, refuse_another
+from .store import SkyStore, empty_skies, opened
 
 
 class _Job(NamedTuple):
@@ -68,6 +67,7 @@ def run_campaign(
     workers: int = 1,
     suns_per_call: int | None = None,
     estimate_error: str = "none",
+    overwrite: bool = False,
 ) -> xr.Dataset:
     """Simulate every sky of a campaign.
 
@@ -85,18 +85,21 @@ def run_campaign(
             record how far the radiances may be off; "all" to do so with every sky, and record it
             for each radiance. Finished skies of `store` are taken as they are. "none" leaves what
             is on record.
+        overwrite: Replace a sky dataset that is under `store`; nothing else is ever replaced.
 
     Returns:
         Dimensions (turbidity or what else is swept, sun_zenith, direction, wavelength); see
         `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
 
     Raises:
-        InputError: `store` holds something else, or a store of another campaign; an argument is
-            impossible; a radiance is negative or not finite.
+        InputError: `store` holds something else, or a store of another campaign, or another run
+            is writing to it; an argument is impossible; a radiance is negative or not finite.
 
     Warns:
         AccuracyWarning: The estimate on record exceeds 2 %; what `simulate` warns of.
     """
+    if store is not None:
+        check_suffix(store)
     if suns_per_call is None:
         suns_per_call = min(12, len(campaign.sun_zenith))
     if workers < 1 or suns_per_call < 1:
@@ -115,25 +118,23 @@ def run_campaign(
     ]
     template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
     run = _Run(campaign, places, suns_per_call, workers, progress or silent)
-    kept, dataset = None, None
-    if store is not None and check_suffix(store) == ".zarr":
-        kept = SkyStore(store, template)
-    elif store is not None and Path(store).exists():
-        refuse_another(store, template)
-        dataset = load_dataset(store)
-    fresh = dataset is None
-    if dataset is None:
-        dataset = _simulated(run, template, kept)
-    refuse_impossible(dataset["radiance"].values, "run_campaign" if store is None else str(store))
-    if store is not None and kept is None and fresh:
-        save_dataset(dataset, store)  # before what follows, which may be interrupted
-    if not covers(estimate_of(dataset), estimate_error):
-        dataset = _estimated(run, dataset, estimate_error, kept)
-        if store is not None and kept is None:
-            save_dataset(dataset, store, overwrite=True)
-    if (estimate := estimate_of(dataset)) is not None:
-        warn_where_large(estimate, campaign.quality)
-    return dataset
+    with opened(store, template, overwrite=overwrite) as (kept, dataset):
+        fresh = dataset is None
+        if dataset is None:
+            dataset = _simulated(run, template, kept)
+        refuse_impossible(
+            dataset["radiance"].values, "run_campaign" if store is None else str(store)
+        )
+        if store is not None and kept is None and fresh:
+            # before what follows, which may be interrupted
+            save_dataset(dataset, store, overwrite=overwrite)
+        if not covers(estimate_of(dataset), estimate_error):
+            dataset = _estimated(run, dataset, estimate_error, kept)
+            if store is not None and kept is None:
+                save_dataset(dataset, store, overwrite=True)
+        if (estimate := estimate_of(dataset)) is not None:
+            warn_where_large(estimate, campaign.quality)
+        return dataset
 
 
 def _simulated(run: _Run, template: xr.Dataset, kept: SkyStore | None) -> xr.Dataset:

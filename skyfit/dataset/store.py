@@ -1,7 +1,7 @@
 """A campaign under way: a zarr store that keeps every finished sky, and which they are."""
 
-import os
-import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._files import alone, make_room, whole
 from ..campaign import Campaign
 from ..errors import InputError
-from .files import check_suffix, stored_attributes
+from .files import check_suffix, holds_something, load_dataset, refuse_dataset, stored_attributes
 from .record import sky_dataset
 
 
@@ -29,20 +30,22 @@ class SkyStore:
         path: Name that ends in .zarr; the store is made if absent, continued if it is of the same
             campaign.
         template: Dataset of the campaign with NaN for every sky.
+        overwrite: Begin anew in place of the sky dataset that is there.
 
     Raises:
         InputError: Something else is there, or a store of another campaign.
     """
 
-    def __init__(self, path: str | PathLike[str], template: xr.Dataset):
+    def __init__(self, path: str | PathLike[str], template: xr.Dataset, *, overwrite: bool = False):
         import zarr
 
         if check_suffix(path) != ".zarr":
             raise InputError(f"{path}: only a .zarr store can be filled sky by sky")
         self.path = Path(path)
-        if self.path.exists():
+        if holds_something(path) and not overwrite:
             refuse_another(self.path, template)
         else:
+            refuse_dataset(path, overwrite=overwrite)
             self._create(template)
         self._group = group = zarr.open_group(self.path, mode="r+")
         self._skies = _sky_shape(template)
@@ -54,11 +57,17 @@ class SkyStore:
         """Which skies are finished, over the campaign's `sky_dims`."""
         if self._done is None:
             return np.ones(self._skies, bool)
-        return np.asarray(self._done[:]) == 1
+        return self._read("done", self._done) == 1
 
     def read(self, name: str) -> np.ndarray:
         """A variable of all skies; NaN where they are not done."""
-        return np.asarray(_array(self._group, name)[:])
+        return self._read(name, _array(self._group, name))
+
+    def _read(self, name: str, array: Any) -> np.ndarray:
+        try:
+            return np.asarray(array[:])
+        except Exception as error:  # of any kind, from the libraries below
+            raise InputError(f"{self.path}: {name} cannot be read; {error}") from None
 
     def write(self, sky: tuple[int, ...], variables: dict[str, np.ndarray]) -> None:
         """Keep one sky; it counts as done only when all of it is on disk."""
@@ -107,13 +116,41 @@ class SkyStore:
             for name, array in marked.data_vars.items()
         }
         # Whoever finds the store under its name finds all of it, even after a crash.
-        begun = self.path.with_name(f".{self.path.name}.{os.getpid()}")
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        try:
+        with whole(self.path) as begun:
             marked.to_zarr(begun, mode="w", consolidated=False, encoding=chunks)
-            begun.rename(self.path)
-        finally:
-            shutil.rmtree(begun, ignore_errors=True)
+
+
+@contextmanager
+def opened(
+    path: str | PathLike[str] | None, template: xr.Dataset, *, overwrite: bool
+) -> Iterator[tuple[SkyStore | None, xr.Dataset | None]]:
+    """What a campaign has on disk, with no other run writing to it meanwhile.
+
+    Args:
+        path: Name that ends in .zarr or .nc; None for nothing on disk.
+        template: Dataset of the campaign with NaN for every sky.
+        overwrite: Begin anew in place of a sky dataset that is there.
+
+    Yields:
+        The store to fill, or the finished dataset of a netCDF file, or neither.
+
+    Raises:
+        InputError: Something else is there; another run is writing to it; nothing can be written.
+    """
+    if path is None:
+        yield None, None
+        return
+    kind = check_suffix(path)
+    make_room(path)
+    with alone(path):
+        if kind == ".zarr":
+            yield SkyStore(path, template, overwrite=overwrite), None
+        elif holds_something(path) and not overwrite:
+            refuse_another(path, template)
+            yield None, load_dataset(path)
+        else:
+            refuse_dataset(path, overwrite=overwrite)
+            yield None, None
 
 
 def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
@@ -124,10 +161,10 @@ def refuse_another(path: str | PathLike[str], template: xr.Dataset) -> None:
     """
     found = stored_attributes(path)
     for name in IDENTITY:
-        if found.get(name) != template.attrs[name]:
+        if str(found.get(name)) != template.attrs[name]:
             made = {"source": f"by {found.get('source')}", "precision": "in another precision"}
             how = made.get(name, "by another campaign")
-            raise InputError(f"{path}: was made {how}; give another name")
+            raise InputError(f"{path}: was made {how}; give another name or overwrite=True")
 
 
 def _sky_shape(template: xr.Dataset) -> tuple[int, ...]:

@@ -16,9 +16,9 @@ from .description import Description
 
 
 def heading(description: Description, prefix: str, provenance: list[str]) -> list[str]:
-    """Lines of ASCII, without marks of comment."""
+    """Lines without marks of comment, of text that no language takes for anything else."""
     swept = "".join(f", {name}" for name in description.swept)
-    return [
+    lines = [
         "Luminance and colour of a clear sky in any direction.",
         "",
         *provenance,
@@ -31,23 +31,25 @@ def heading(description: Description, prefix: str, provenance: list[str]) -> lis
         "",
         *description.policy.split("\n"),
     ]
+    return list(map(_harmless, lines))
 
 
 def provenance_of_fit(fit: SkyFit) -> list[str]:
     """What a fit was made from, how well it follows that, and where it holds."""
-    data, made_by = fit.provenance.get("data", {}), fit.provenance.get("versions", {})
+    data, made_by = _table(fit.provenance.get("data")), _table(fit.provenance.get("versions"))
     errors = ", ".join(f"{name} {100 * d.rms:.2g} %" for name, d in fit.diagnostics.items())
     scale = ", ".join(f"{name} {100 * rms:.2g} %" for name, rms in fit.notes.scale_rms.items())
     what = "zenith" if fit.distribution.relative else "scale"
     positive = [fit.positivity] if fit.positivity else []
-    return [
+    lines = [
         f"Fitted by skyfit {made_by.get('skyfit', 'of unknown version')}.",
         *(f"Skies: {line}" for line in _skies(data)),
         f"RMS error of the fit, relative: {errors}.",
         f"RMS error of the {what}, relative: {scale}.",
-        *(_ascii(f"Over the valid range: {margin.sentence()}.") for margin in positive),
+        *(f"Over the valid range: {margin.sentence()}." for margin in positive),
         *valid_range(fit.swept, fit.sun_zenith_range),
     ]
+    return list(map(_ascii, lines))
 
 
 def provenance_of_model(sky: FormulaSky) -> list[str]:
@@ -77,7 +79,7 @@ def valid_range(swept: Mapping[str, tuple[float, float]], suns: tuple[float, flo
 def _skies(data: dict[str, Any]) -> list[str]:
     """The skies a fit was made from, as far as its record tells."""
     lines = [str(data.get("title", "not described"))]
-    campaign = _parsed(data.get("campaign"))
+    campaign = _table(_parsed(data.get("campaign")))
     if campaign:
         orders = campaign.get("orders")
         light = "all orders" if orders is None else f"{orders} orders of scattering"
@@ -87,25 +89,44 @@ def _skies(data: dict[str, Any]) -> list[str]:
             lines += [f"{key.replace('_', ' ')}: {value}" for key, value in atmosphere.items()]
     atmospheres = _parsed(data.get("atmosphere"))
     if isinstance(atmospheres, list) and atmospheres:
-        first = atmospheres[0]
+        parts = _table(atmospheres[0]).get("constituents", [])
         lines += [
             f"constituent: {_kind(part, 'density')} density, {_kind(part, 'phase')} phase function"
-            for part in first.get("constituents", [])
+            for part in (map(_table, parts) if isinstance(parts, list) else ())
         ]
-    return list(map(_ascii, lines))
+    return lines
 
 
 def _ascii(line: str) -> str:
-    """Some compilers of shaders refuse anything else, in comments too."""
-    return line.replace("°", " deg").encode("ascii", "replace").decode()
+    """One line of printable ASCII: some compilers of shaders refuse anything else in comments."""
+    text = line.replace("°", " deg").encode("ascii", "replace").decode()
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+# What ends, opens or continues a comment or a docstring somewhere: the last two in C and in HTML.
+_MARKS = {"\\": "/", '"': "'", "*/": "* /", "/*": "/ *", "??": "? ?", "</": "< /"}
+
+
+def _harmless(line: str) -> str:
+    """A line that stays inside any comment or docstring, whatever file its words are from."""
+    text = _ascii(line)
+    for mark, instead in _MARKS.items():
+        while mark in text:
+            text = text.replace(mark, instead)
+    return text
 
 
 def _kind(part: dict[str, Any], key: str) -> str:
-    return str(part.get(key, {}).get("type", "unnamed"))
+    return str(_table(part.get(key)).get("type", "unnamed"))
+
+
+def _table(found: Any) -> dict[str, Any]:
+    """What a record holds under a name, where that is a table as it should be."""
+    return found if isinstance(found, dict) else {}
 
 
 def _parsed(text: Any) -> Any:
     try:
         return json.loads(text)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return None

@@ -13,10 +13,12 @@ from typing import Any
 import jax
 import numpy as np
 
+from .._files import read_text, write_text
 from ..errors import InputError
 from .older_files import upgraded
 
 
+_MOST_BYTES = 100_000_000  # a fit has some ten thousand
 SCHEMA = "skyfit/fit/3"
 READABLE = ("skyfit/fit/1", "skyfit/fit/2", SCHEMA)
 
@@ -28,10 +30,10 @@ def write_document(path: str | PathLike[str], fields: dict[str, Any]) -> None:
         ValueError: There is a file that is no fit of skyfit: it is not replaced.
     """
     target = Path(path)
-    if target.exists():
+    if target.exists() and target.stat().st_size:
         _read(target)
     document = {"schema": SCHEMA, **plain(fields)}
-    target.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(target, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
 def read_document(path: str | PathLike[str]) -> dict[str, Any]:
@@ -48,14 +50,17 @@ def read_document(path: str | PathLike[str]) -> dict[str, Any]:
         return upgraded(document)
     except KeyError as error:
         raise InputError(f"{path}: key {error} is missing") from error
+    except (AttributeError, IndexError, TypeError) as error:
+        raise InputError(f"{path}: expected a fit as skyfit writes it; {error}") from error
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
 
 
 def _read(path: Path) -> dict[str, Any]:
+    text = read_text(path, _MOST_BYTES)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: expected a fit in JSON; {error}") from error
     schema = document.get("schema", "missing") if isinstance(document, dict) else "missing"
     if schema not in READABLE:

@@ -10,12 +10,12 @@ from .._typing import as_table
 from ..errors import InputError
 from ..models.basis import SUN, basis_from
 from ..models.domes import distribution_from
-from ..models.formula import CHANNEL_KINDS
 from ..models.scale import PaperZenith, scale_from
 from .diagnostics import Diagnostics
 from .document import read_document
 from .positivity import Positivity
 from .record import Notes, SkyFit, TwoStage
+from .schema import refuse_malformed
 
 
 def load_fit(path: str | PathLike[str]) -> SkyFit:
@@ -36,12 +36,9 @@ def load_fit(path: str | PathLike[str]) -> SkyFit:
 
 
 def _fit(path, document) -> SkyFit:
+    refuse_malformed(path, document)
     formula = document["formula"]
     kind, names = formula["kind"], formula["channels"]
-    if kind not in (*CHANNEL_KINDS, "bands"):
-        raise InputError(f"{path}: formula.kind: expected a kind of channels; got {kind!r}")
-    if kind in CHANNEL_KINDS and tuple(names) != CHANNEL_KINDS[kind]:
-        raise InputError(f"{path}: formula.channels: expected {CHANNEL_KINDS[kind]}; got {names}")
     try:
         distribution = distribution_from(formula["distribution"])
         basis = basis_from(formula["basis"])
@@ -51,8 +48,8 @@ def _fit(path, document) -> SkyFit:
         scale = scale_from(formula["scale"])
     except (TypeError, ValueError) as error:
         raise InputError(f"{path}: formula.scale: {error}") from error
-    ranges = tuple((str(name), _ends(path, name, ends)) for name, ends in formula["ranges"].items())
-    sun_range = _ends(path, "sun_zenith", formula["sun_zenith_range"])
+    ranges = tuple((name, (float(a), float(b))) for name, (a, b) in formula["ranges"].items())
+    first, last = formula["sun_zenith_range"]
     _refuse_unknown(path, basis, scale, {name for name, _ in ranges})
     size = (len(distribution.names), basis.num_terms)
 
@@ -88,16 +85,9 @@ def _fit(path, document) -> SkyFit:
         kind=kind,
         channels=tuple(names),
         ranges=ranges,
-        sun_zenith_range=sun_range,
+        sun_zenith_range=(float(first), float(last)),
         notes=_notes(document, names),
     )
-
-
-def _ends(path, name, ends) -> tuple[float, float]:
-    low, high = as_table(ends, f"{path}: formula: range of {name}", (2,)).tolist()
-    if not low <= high:
-        raise InputError(f"{path}: formula: range of {name}: expected low, high; got {low}, {high}")
-    return low, high
 
 
 def _refuse_unknown(path, basis, scale, swept: set[str]) -> None:

@@ -86,9 +86,9 @@ def warn_outside(value: ArrayLike, valid: tuple[float, float], argument: str) ->
     # A value computed in float32 may miss the end by a rounding error.
     slack = 1e-6 * max(abs(end) for end in valid)
     if low < valid[0] - slack or high > valid[1] + slack:
-        got = low if low < valid[0] else high
+        got, taken = (low, valid[0]) if low < valid[0] else (high, valid[1])
         warnings.warn(
             f"{argument} is valid from {valid[0]:.6g} to {valid[1]:.6g} and held there; "
-            f"got {got:.6g}",
+            f"got {got:.6g}, and {taken:.6g} is used",
             stacklevel=3,
         )

@@ -1,6 +1,5 @@
 """A day as an animated picture: suns, frames, GIF or APNG."""
 
-import os
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from .._files import whole
 from .._progress import Progress
 from ..errors import InputError
 from ..sun import sun_position
@@ -92,6 +92,8 @@ def animate(
     kind = check_target(path, overwrite)
     if kind not in (".gif", ".apng"):
         raise InputError(f"{path}: expected a name ending in .gif or .apng for many pictures")
+    if not 0 < seconds <= 3600:
+        raise InputError(f"animate(seconds=...): expected above 0 to 3600 s; got {seconds:g}")
     if len(suns) == 0:
         raise InputError("animate(suns=...): expected one or more; got none")
     suns = np.asarray(suns, float)
@@ -132,13 +134,9 @@ def _write(path: Path, frames: list[np.ndarray], seconds: float, overwrite: bool
         images = [
             one.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG) for one in images
         ]
-    begun = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+    with whole(path) as begun:
         images[0].save(
             begun, format="GIF" if path.suffix == ".gif" else "PNG", save_all=True,
             append_images=images[1:], duration=round(1000 * seconds / len(images)), loop=0,
         )  # fmt: skip
         check_target(path, overwrite)
-        begun.replace(path)
-    finally:
-        begun.unlink(missing_ok=True)

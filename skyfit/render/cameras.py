@@ -186,9 +186,9 @@ class Perspective(AbstractCamera):
         _check_pixels("Perspective(height=...)", self.height)
         as_azimuth(self.azimuth, "Perspective(azimuth=...)")
         as_view_zenith(self.elevation, "Perspective(elevation=...)")
-        if not 0 < self.field_of_view < np.pi:
+        if not 1e-4 <= self.field_of_view < np.pi:
             raise InputError(
-                "Perspective(field_of_view=...): expected 0 to pi rad; "
+                "Perspective(field_of_view=...): expected 0.0001 to pi rad; "
                 f"got {self.field_of_view:.6g}"
             )
         if not 0 <= self.altitude < np.inf:

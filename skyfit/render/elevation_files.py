@@ -20,6 +20,10 @@ _HEIGHT_UNITS = {
 }  # fmt: skip
 
 
+_MOST_TURNED = 0.07  # 4 degrees between a row and the parallel
+_MOST_UNEVEN = 0.05  # of the scale over a map
+
+
 def sample_elevation() -> Elevation:
     """Hills near Jacksboro, Tennessee: 32 by 30 km, 236 to 1076 m, every 3 arc seconds.
 
@@ -99,7 +103,45 @@ def _geotiff(path: Path) -> Elevation:
         north, east = abs(place.e) * scale, abs(place.a) * scale
         if data.crs.is_geographic:
             north, east = _on_ground(north, east, latitude * scale)
+        else:
+            north_scale, east_scale = _scales(path, data)
+            north, east = north / north_scale, east / east_scale
     return _checked(path, heights, north, east)
+
+
+def _scales(path: Path, data) -> tuple[float, float]:
+    """Length on the map over that on the ground, north and east: 2.2 in Mercator's at 63° N.
+
+    Raises:
+        InputError: The map's rows do not run from west to east, or it is stretched unevenly.
+    """
+    from rasterio.warp import transform
+
+    place = data.transform
+    found = []
+    for row, column in ((0.5, 0.5), (0.02, 0.02), (0.98, 0.98)):
+        x, y = place @ (column * data.width, row * data.height)
+        step_x, step_y = 0.5 * data.width * place.a, 0.5 * data.height * place.e
+        step = 1e-3 * min(abs(step_x), abs(step_y))
+        lon, lat = np.radians(
+            transform(data.crs, "EPSG:4326", [x, x + step, x], [y, y, y + step])[:2]
+        )
+        east = EARTH_RADIUS * np.cos(lat[0]) * (lon[1:] - lon[0])
+        north = EARTH_RADIUS * (lat[1:] - lat[0])
+        unit = step * data.crs.units_factor[1]
+        if not (np.isfinite(east).all() and np.isfinite(north).all()):
+            raise InputError(f"{path}: its coordinates are not on the Earth in {data.crs}")
+        if abs(north[0]) > _MOST_TURNED * abs(east[0]):
+            raise InputError(f"{path}: expected rows from west to east; this map is turned there")
+        found.append((unit / abs(north[1]), unit / abs(east[0])))
+    middle, *corners = np.array(found)
+    if np.abs(np.array(corners) / middle - 1).max() > _MOST_UNEVEN:
+        raise InputError(
+            f"{path}: expected a map of one scale; this one's differs by more than "
+            f"{_MOST_UNEVEN:.0%} between its middle and its corners"
+        )
+    # Projections for surveys are true within 2 %; theirs are taken for the ground's own metres.
+    return (1.0, 1.0) if np.abs(middle - 1).max() < 0.025 else tuple(middle.tolist())
 
 
 def _checked(path: Path, heights: np.ndarray, north: float, east: float) -> Elevation:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from .._files import refuse_target, whole
 from ..colour import D65_WHITE, SRGB_PRIMARIES
 from ..errors import InputError
 
@@ -19,18 +20,16 @@ _HALF_MAX = 65504.0
 
 
 def check_target(path: str | PathLike[str], overwrite: bool) -> str:
-    """The kind of file a name stands for, by its ending.
+    """The kind of file a name stands for, by its ending. Its folder is made if need be.
 
     Raises:
-        InputError: Another ending, or something is there that must not be replaced.
+        InputError: Another ending; something is there that must not be replaced; nothing can be
+            written there.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
         raise InputError(f"{path}: expected a name ending in {', '.join(SUFFIXES)}")
-    if path.is_dir() or (path.exists() and not overwrite):
-        raise InputError(f"{path}: exists already; give another name or ask to overwrite")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no directory {path.parent}")
+    refuse_target(path, overwrite=overwrite)
     return path.suffix
 
 
@@ -74,8 +73,8 @@ def write_exr(
     }
     if environment:
         header["envmap"] = OpenEXR.ENVMAP_LATLONG
-    with OpenEXR.File(header, {"RGB": pixels}) as file:
-        file.write(str(path))
+    with OpenEXR.File(header, {"RGB": pixels}) as file, whole(path) as begun:
+        file.write(str(begun))
     return white
 
 
@@ -97,7 +96,8 @@ def write_hdr(
         f"#?RADIANCE\n{notes}FORMAT=32-bit_rle_rgbe\nPRIMARIES= {xy}\n\n-Y {rows} +X {columns}\n"
     )
     pixels = to_rgbe(np.asarray(rgb, float) / RADIANCE_EFFICACY)
-    Path(path).write_bytes(header.encode("utf-8") + pixels.tobytes())
+    with whole(path) as begun:
+        begun.write_bytes(header.encode("utf-8") + pixels.tobytes())
     return RADIANCE_EFFICACY
 
 
@@ -125,4 +125,5 @@ def write_png(path: str | PathLike[str], pixels: np.ndarray, notes: dict[str, st
     information = PngInfo()
     for key, text in notes.items():
         information.add_itxt(key, text)
-    Image.fromarray(pixels).save(path, format="PNG", pnginfo=information)
+    with whole(path) as begun:
+        Image.fromarray(pixels).save(begun, format="PNG", pnginfo=information)

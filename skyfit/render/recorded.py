@@ -79,19 +79,30 @@ class RecordedSource(AbstractSource):
         sky = self.sky
         xyY = np.stack([sky[name].values.astype(float) for name in ("x", "y", "luminance")], -1)
         values = np.log(np.maximum(np.asarray(xyY_to_xyz(xyY)), 1e-6))
+        view, azimuth = sky["view_zenith"].values, sky["relative_azimuth"].values
         try:
             axes = grid_axes(sky)
         except ValueError:
-            return _scattered(sky["view_zenith"].values, sky["relative_azimuth"].values, values)
+            return _scattered(view, azimuth, values, self.name)
+        if min(axis.size for axis in axes) < 2:
+            return _scattered(view, azimuth, values, self.name)
         splines = [on_dome(*axes, column) for column in values.T]
         return lambda zenith, azimuth: np.stack([one(zenith, azimuth) for one in splines], -1)
 
 
-def _scattered(view: np.ndarray, azimuth: np.ndarray, values: Float[np.ndarray, "direction 3"]):
+def _scattered(
+    view: np.ndarray, azimuth: np.ndarray, values: Float[np.ndarray, "direction 3"], name: str
+):
     if azimuth.min() >= 0 and azimuth.max() <= np.pi:
         view, azimuth = np.tile(view, 2), np.concatenate([azimuth, -azimuth])
         values = np.tile(values, (2, 1))
     unit = direction_of(view, azimuth)
+    # A plane through the points would leave the surface over them open.
+    if np.linalg.matrix_rank(np.insert(unit, 0, 1.0, axis=1), tol=1e-6) < 4:
+        raise InputError(
+            f"{name}: expected directions all over the dome, four or more that are not on one "
+            f"circle; got {view.size}"
+        )
     plate = RBFInterpolator(unit, values, kernel="thin_plate_spline", smoothing=_SMOOTHING)
     return _fine_grid(plate, float(view.max()))
 
@@ -125,6 +136,8 @@ def select_sky(
     Raises:
         InputError: No such sky; the message lists what there is.
     """
+    if "luminance" not in data:
+        raise InputError(f"{name}: luminance is missing")
     for dim in [dim for dim in data["luminance"].dims if dim not in ("direction",)]:
         sun = dim in ("sun_zenith", "time")
         wanted = sun_zenith if sun else turbidity

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from ..campaign.file import load_campaign
+from ..campaign.file.load import PAPER_TURBIDITY
 from ..dataset import SUFFIXES, load_dataset
 from ..dataset.measurements import cornell_skies
 from ..errors import InputError
 from ..fitting import SkyFit, load_fit, paper_refit
-from ..models import preetham_sky
+from ..models import AbstractSkyModel, preetham_sky
 from .recorded import RecordedSource, select_sky
 from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
@@ -33,9 +34,9 @@ def load_source(
         path: A fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr or
             .nc), "cornell" for the measured skies, "refit" for the paper's formula fitted to its
             campaign; None or "published" for the published model.
-        turbidity: Turbidity of the published model, of a fit or campaign or dataset that has
-            several (or the value of what else it sweeps), and of the air before the sun where the
-            sky does not know it.
+        turbidity: Turbidity of the published model, 3 by default; of a fit or campaign or dataset
+            that has several (or the value of what else it sweeps); and of the air before the sun
+            where the sky does not know it. A model's is held within its range, which its name says.
         sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
         parameters: Values of what a fit was made for, by name; the turbidity may be among them.
@@ -54,10 +55,12 @@ def load_source(
     if turbidity is not None and "turbidity" in given:
         raise InputError(f"{path or 'the published model'}: expected one turbidity; got two")
     if path is None or words == PUBLISHED:
-        value = _needed(given.pop("turbidity", turbidity), "the published model")
+        asked = given.pop("turbidity", turbidity)
+        value = PAPER_TURBIDITY if asked is None else asked
         _refuse(given, "the published model", ["turbidity"])
-        name = f"Preetham, Shirley & Smits (1999), turbidity {value:g}"
-        return ModelSource(preetham_sky(value), value, name)
+        sky = preetham_sky(value)
+        used, held = _held(sky, "turbidity", value)
+        return ModelSource(sky, used, f"Preetham, Shirley & Smits (1999), {held}")
     if words == REFIT or path.suffix == ".json":
         fit = paper_refit() if words == REFIT else load_fit(path)
         return _fitted(fit, path, turbidity, given)
@@ -94,8 +97,18 @@ def _fitted(
         raise InputError(
             f"{path}: a fit over {', '.join(names)}; expected {ours} (--set, parameters=...)"
         )
-    told = "".join(f", {name} {values[name]:g}" for name in names)
-    return ModelSource(fit.sky(**values), values.get("turbidity", haze), f"{path.name}{told}")
+    sky = fit.sky(**values)
+    told = [_held(sky, name, values[name])[1] for name in names]
+    if "turbidity" in names:
+        haze = _held(sky, "turbidity", values["turbidity"])[0]
+    return ModelSource(sky, haze, ", ".join([path.name, *told]))
+
+
+def _held(sky: AbstractSkyModel, name: str, value: float) -> tuple[float, str]:
+    """The value that is used of a parameter, which differs outside its range; and both in words."""
+    low, high = sky.valid_range[name]
+    used = min(max(value, low), high)
+    return used, f"{name} {value:g}" + ("" if used == value else f" taken as {used:g}")
 
 
 def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSource:
@@ -105,8 +118,7 @@ def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSou
         if len(values) > 1:
             there = ", ".join(f"{one:g}" for one in values)
             raise InputError(
-                f"{path}: expected one {swept} (--turbidity, turbidity=...), such as one of "
-                f"{there}; got none"
+                f"{path}: expected one {swept} (turbidity=...), such as one of {there}; got none"
             )
         value = float(next(iter(values)))
     elif swept is None:

@@ -51,6 +51,20 @@ class _Lit(eqx.Module):
     albedo: Scalar
 
 
+def check_samples(samples: int) -> int:
+    """Samples along one side of a pixel.
+
+    Raises:
+        InputError: The number of samples is no square, or beyond a thousand.
+    """
+    side = round(max(samples, 0) ** 0.5)
+    if not 1 <= samples <= 1024 or side**2 != samples:
+        raise InputError(
+            f"render_terrain(samples=...): expected 1, 4, 9, 16, ..., 1024; got {samples}"
+        )
+    return side
+
+
 def render_terrain(
     source: AbstractSource,
     elevation: Elevation,
@@ -94,9 +108,7 @@ def render_terrain(
         InputError: An albedo or a number of samples that cannot be; shafts without such an air;
             light that is not finite, or negative by more than rounding; a black sky by day.
     """
-    side = round(samples**0.5)
-    if samples < 1 or side**2 != samples:
-        raise InputError(f"render_terrain(samples=...): expected 1, 4, 9, 16, ...; got {samples}")
+    side = check_samples(samples)
     if not 0 <= ground_albedo <= 1:
         raise InputError(
             f"render_terrain(ground_albedo=...): expected 0 to 1; got {ground_albedo:.6g}"

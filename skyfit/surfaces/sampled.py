@@ -40,7 +40,8 @@ def sampled_dome(
         azimuths: Directions of each ring.
 
     Raises:
-        InputError: Shapes that do not fit, fewer than 4 directions, or a view below the horizon.
+        InputError: Shapes that do not fit, fewer than 4 directions, or all on one line through the
+            zenith, or a view below the horizon.
     """
     argument = "sampled_dome(sun_zenith=...)"
     sun = as_zenith(as_scalar(sun_zenith, argument), argument)
@@ -75,7 +76,7 @@ def _triangles(
     azimuth_to: Float[np.ndarray, " azimuth"],
 ) -> tuple[Int[np.ndarray, "node 3"], Float[np.ndarray, "node 3"]]:
     """The three samples around each direction of a grid, and their shares."""
-    from scipy.spatial import Delaunay
+    from scipy.spatial import Delaunay, QhullError
 
     turned = np.remainder(azimuth + 1e-9, 2 * np.pi) - 1e-9
     index = np.arange(view.size)
@@ -85,7 +86,12 @@ def _triangles(
     points = view[:, None] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     _, first = np.unique(np.round(points, 9), axis=0, return_index=True)
     points, index = points[first], index[first]
-    mesh = Delaunay(points)
+    try:
+        mesh = Delaunay(points)
+    except (QhullError, ValueError):
+        raise InputError(
+            "sampled_dome: expected directions all around, not on one line through the zenith"
+        ) from None
     around = np.stack([np.cos(azimuth_to), np.sin(azimuth_to)], axis=-1)
     target = (zenith_to[:, None, None] * around).reshape(-1, 2)
     found = mesh.find_simplex(target)

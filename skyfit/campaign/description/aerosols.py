@@ -10,7 +10,7 @@ from ...errors import InputError
 from ...phase import AbstractPhaseFunction, CornetteShanks, HenyeyGreenstein, Tabulated
 from ...preetham_air import haze_phase, haze_scattering
 from .mie import mie_optics
-from .profiles import build_profile
+from .profiles import build_profile, column_of
 from .spectra import Part, Wavelengths, spectrum_at
 
 
@@ -54,10 +54,16 @@ def build_aerosol(part: Part, wavelengths: Wavelengths, around: Surroundings) ->
     """
     density = build_profile(part["profile"])
     optics = _optics(part, wavelengths)
-    wanted, at = _extinction_wanted(part, around, float(density.column(around.top)))
+    wanted, at = _extinction_wanted(part, around, column_of(density, around.top, part["name"]))
     if wanted is not None:
         whole = part | {"forward_peak_deg": 0.0}  # amounts count all that is scattered
-        scale = wanted / float(_optics(whole, np.array([at])).extinction[0])
+        per_amount = float(_optics(whole, np.array([at])).extinction[0])
+        if not per_amount > 0:
+            raise InputError(
+                f"constituents.{part['name']}: expected an extinction above 0 at {at:g} nm, where "
+                f"the amount holds; got {per_amount:g}"
+            )
+        scale = wanted / per_amount
     else:
         scale = part.get("number_density_per_m3", 1.0)
     extinction = scale * optics.extinction

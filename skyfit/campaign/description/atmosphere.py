@@ -61,8 +61,17 @@ class DescribedAtmosphere:
 
 def build_atmosphere(description: Part, wavelengths: np.ndarray) -> Atmosphere:
     """The atmosphere of a description at wavelengths [nm]."""
-    top = description["planet"]["top_altitude_m"]
-    parts = description["constituents"]
+    ground = description["ground"].get("altitude_m", 0.0)
+    top = description["planet"]["top_altitude_m"] - ground
+    if not top > 0:
+        raise InputError(
+            f"ground.altitude_m: expected less than planet.top_altitude_m; got {ground:g}"
+        )
+    # Gases lie around the planet, whatever the ground; aerosols lie on the ground.
+    raised = {"ground_altitude_m": ground} if ground else {}
+    parts = [
+        part | raised if part["kind"] in GASES else part for part in description["constituents"]
+    ]
     gases = [part for part in parts if part["kind"] in GASES]
     around = _surroundings(gases, top)
     constituents = [
@@ -76,7 +85,7 @@ def build_atmosphere(description: Part, wavelengths: np.ndarray) -> Atmosphere:
         solar_irradiance=sunlight_above(description["sun"], wavelengths),
         constituents=constituents,
         ground_albedo=_ground_albedo(description["ground"], wavelengths),
-        planet_radius=description["planet"]["radius_m"],
+        planet_radius=description["planet"]["radius_m"] + ground,
         top_altitude=top,
         refraction=_refraction(description["planet"].get("refractivity"), gases),
     )

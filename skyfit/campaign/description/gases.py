@@ -8,10 +8,10 @@ from ... import constants
 from ...atmosphere import Constituent
 from ...phase import Rayleigh
 from ...preetham_air import rayleigh_scattering, table2
-from ...profile import AbstractProfile, Squared
+from ...profile import AbstractProfile, Raised, Squared
 from ...tables import read_table
 from .bands import oxygen, water_vapour
-from .profiles import build_profile
+from .profiles import build_profile, column_of
 from .spectra import Part, Wavelengths, spectrum_at
 
 
@@ -31,11 +31,17 @@ class Coefficients(NamedTuple):
 
 def build_gas(part: Part, wavelengths: Wavelengths, top: float) -> Constituent:
     """The constituent a table of a campaign file describes; it scatters after Rayleigh."""
+    if part["kind"] in BANDED:
+        column_of(gas_profile(part), top, part["name"])
     if part["kind"] == "water_vapour":
         water = part["precipitable_water_cm"] * 1e-2
         return water_vapour(wavelengths, water, gas_profile(part), top)
     if part["kind"] == "oxygen":
-        return oxygen(wavelengths, part["pressure_ratio"], gas_profile(part), top)
+        profile, pressure = gas_profile(part), part["pressure_ratio"]
+        if ground := part.get("ground_altitude_m"):
+            whole = build_profile(part["profile"]).column(top + ground)
+            pressure *= float(profile.column(top) / whole)
+        return oxygen(wavelengths, pressure, profile, top)
     found = gas_coefficients(part, wavelengths, top)
     return Constituent(gas_profile(part), *found, phase=_phase(part, wavelengths))
 
@@ -43,6 +49,8 @@ def build_gas(part: Part, wavelengths: Wavelengths, top: float) -> Constituent:
 def gas_profile(part: Part) -> AbstractProfile:
     """Relative density of what scatters or absorbs; pairs of molecules go with the square."""
     profile = build_profile(part["profile"])
+    if "ground_altitude_m" in part:
+        profile = Raised(profile, part["ground_altitude_m"])
     return Squared(profile) if part["kind"] == "oxygen_dimer" else profile
 
 
@@ -66,7 +74,7 @@ def gas_coefficients(part: Part, wavelengths: Wavelengths, top: float) -> Coeffi
         return Coefficients(none, oxygen**2 * oxygen_dimer_cross_section(wavelengths))
     if kind in ("ozone", "nitrogen_dioxide"):
         depth = _vertical_absorption(part, wavelengths)
-        return Coefficients(none, depth / float(gas_profile(part).column(top)))
+        return Coefficients(none, depth / column_of(gas_profile(part), top, part["name"]))
     # Gases with bands have nothing else: no line of them is near the wavelength of visibilities.
     scattering, absorption = none, none
     if "scattering_per_m" in part:

@@ -1,8 +1,29 @@
 """Density profiles as files give them."""
 
 from ... import profile
+from ...errors import InputError
 from ...preetham_air import ozone_layer
 from .spectra import Part
+
+
+def column_of(density: profile.AbstractProfile, top: float, name: str) -> float:
+    """Vertical column of a profile from the ground to the top, of which there must be some [m].
+
+    Args:
+        density: Profile.
+        top: Altitude where the atmosphere ends [m].
+        name: Name of the constituent, for messages.
+
+    Raises:
+        InputError: Nothing of it is below the top.
+    """
+    column = float(density.column(top))
+    if not column > 0:
+        raise InputError(
+            f"constituents.{name}.profile: expected some density below top_altitude_m; got a "
+            f"column of {column:g} m"
+        )
+    return column
 
 
 def build_profile(part: Part) -> profile.AbstractProfile:

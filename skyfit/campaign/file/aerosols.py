@@ -2,7 +2,6 @@
 
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from ...errors import InputError
@@ -36,11 +35,11 @@ class Aerosol(Section):
 
     name: Name
     profile: Profile = Standard(kind="elterman_1968")
-    optical_depth: ZeroOrMore | None = None
-    turbidity: Annotated[Number, Field(ge=1)] | None = None
-    visibility_m: AboveZero | None = None
-    extinction_per_m: ZeroOrMore | None = None
-    reference_wavelength_nm: AboveZero = 550.0
+    optical_depth: Annotated[ZeroOrMore, Field(le=1e4)] | None = None
+    turbidity: Annotated[Number, Field(ge=1, le=1e4)] | None = None
+    visibility_m: Annotated[Number, Field(ge=1, le=1e9)] | None = None
+    extinction_per_m: Annotated[ZeroOrMore, Field(le=1e3)] | None = None
+    reference_wavelength_nm: Annotated[Number, Field(ge=10, le=1e6)] = 550.0
 
 
 class Lobed(Aerosol):
@@ -65,7 +64,7 @@ class AngstromAerosol(Lobed):
     """Optical depth as a power of the wavelength: β (λ / 1 µm)^-α."""
 
     kind: Literal["angstrom_aerosol"]
-    angstrom_beta: ZeroOrMore | None = None
+    angstrom_beta: Annotated[ZeroOrMore, Field(le=1e4)] | None = None
     angstrom_exponent: Annotated[Number, Field(ge=-4, le=4)]
     single_scattering_albedo: Annotated[Any, spectral(0.0, 1.0)] = 1.0
 
@@ -109,7 +108,7 @@ class MieAerosol(Aerosol):
     """Spheres of many sizes and one material, n - i k."""
 
     kind: Literal["mie_aerosol"]
-    number_density_per_m3: ZeroOrMore | None = None
+    number_density_per_m3: Annotated[ZeroOrMore, Field(le=1e20)] | None = None
     size: Annotated[Lognormal | Gamma | PowerLaw, Field(discriminator="kind")]
     refractive_index: Annotated[Any, spectral(1.0, 5.0)]
     absorption_index: Annotated[Any, spectral(0.0, 5.0)] = 0.0
@@ -143,7 +142,7 @@ class TableAerosol(Lobed):
     """
 
     kind: Literal["table_aerosol"]
-    extinction: Annotated[Any, spectral(0.0, np.inf, "1/m")]
+    extinction: Annotated[Any, spectral(0.0, 1e3, "1/m")]
     single_scattering_albedo: Annotated[Any, spectral(0.0, 1.0)] = 1.0
     phase: Annotated[Any, rows_over("angle_deg", "value", "wavelength_nm", _phase_table)] | None = (
         None

@@ -14,7 +14,7 @@ from pydantic import (
 from ...errors import InputError
 from ...preetham_air import PAPER_WAVELENGTHS, TURBIDITY_MEANINGS
 from ...transfer.quality import QUALITIES
-from ..campaign import GEOMETRIES, SCHEMA, Campaign
+from ..campaign import GEOMETRIES, MOST_DIRECTIONS, MOST_ORDERS, SCHEMA, Campaign
 from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
 from ..description.sweep import replaced, unit_of
 from ..directions import (
@@ -24,7 +24,7 @@ from ..directions import (
     PAPER_VIEW_ZENITHS_DEG,
     half_dome,
 )
-from ..swept import TAKEN
+from ..swept import is_taken
 from .aerosols import Constituent
 from .numbers import Increasing, Number, Numbers, ZeroOrMore, one_of
 from .parts import Ground, Name, Planet, Sun
@@ -46,7 +46,9 @@ class _Paper(Section):
 class _Sweep(Section):
     """The paper's turbidity, or any number of the file."""
 
-    turbidity: Annotated[tuple[Annotated[Number, Field(ge=1)], ...], Increasing] | None = None
+    turbidity: Annotated[tuple[Annotated[Number, Field(ge=1, le=1e4)], ...], Increasing] | None = (
+        None
+    )
     key: str | None = None
     values: Annotated[tuple[Number, ...], Increasing] | None = None
     name: Name | None = None
@@ -56,7 +58,7 @@ class _Sweep(Section):
         self.exactly_one_of("turbidity", "key")
         if (self.key is None) != (self.values is None):
             raise InputError("key and values are expected together")
-        if self.called in TAKEN:
+        if is_taken(str(self.called)):
             raise InputError(f"name: {self.called} is taken; give the parameter another name")
         return self
 
@@ -82,12 +84,12 @@ class _Sampling(Section):
 
 class _Simulation(Section):
     orders: Annotated[
-        Annotated[int, Field(ge=1)] | None,
+        Annotated[int, Field(ge=1, le=MOST_ORDERS)] | None,
         BeforeValidator(lambda value: None if value == "all" else value),
     ] = 2
     geometry: Annotated[str, one_of(*GEOMETRIES)] = "spherical"
     quality: Annotated[str, one_of(*QUALITIES)] = "default"
-    observer_altitude_m: ZeroOrMore = 0.0
+    observer_altitude_m: Annotated[ZeroOrMore, Field(le=1e7)] = 0.0
     keep_orders: bool = False
 
 
@@ -108,7 +110,7 @@ class File(Section):
     @model_validator(mode="before")
     @classmethod
     def _needs_schema(cls, content: Any) -> Any:
-        if "schema" not in content:
+        if not isinstance(content, dict) or "schema" not in content:
             raise InputError(f'schema is missing: expected the line schema = "{SCHEMA}"')
         return content
 
@@ -170,6 +172,11 @@ class File(Section):
     def campaign(self) -> Campaign:
         """In radians, as the library has it."""
         sampling, simulation = self.sampling, self.simulation
+        count = len(sampling.view_zenith_deg) * len(sampling.relative_azimuth_deg)
+        if count > MOST_DIRECTIONS:
+            raise InputError(
+                f"sampling: expected at most {MOST_DIRECTIONS} directions; got {count}"
+            )
         view_zenith, relative_azimuth = half_dome(
             np.radians(sampling.view_zenith_deg),
             np.radians(sampling.relative_azimuth_deg),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from ..._files import read_text
 from ..._typing import ArrayLike
 from ...atmosphere import Atmosphere
 from ...errors import InputError
@@ -17,6 +18,7 @@ from .file import File
 from .section import one_line
 
 
+_MOST_BYTES = 50_000_000
 PAPER_TURBIDITY = 3.0  # of the paper's atmosphere where none is asked for
 
 
@@ -31,8 +33,10 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
         FileNotFoundError: There is no such file.
         InputError: One line that names the file, the key, what was expected and what came.
     """
+    content = _read(path)
     try:
-        campaign = _read(path).campaign()
+        file = _file(path, content)
+        campaign = file.campaign()
         # What only building can find impossible is better known now.
         for value in {campaign.swept[1][0], campaign.swept[1][-1]}:
             campaign.build_atmosphere(value)
@@ -57,8 +61,9 @@ def load_atmosphere(
         FileNotFoundError: There is no such file.
         InputError: One line that names the file, the key, what was expected and what came.
     """
+    content = _read(path)
     try:
-        file = _read(path)
+        file = _file(path, content)
         campaign = file.campaign()
         name = campaign.swept[0]
         if set(swept) - {name}:
@@ -76,12 +81,16 @@ def load_atmosphere(
         raise _named(path, error) from None
 
 
-def _read(path: str | PathLike[str]) -> File:
-    with open(path, "rb") as file:
-        try:
-            content = tomllib.loads(file.read().decode("utf-8-sig"))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise InputError(f"not a TOML file: {error}") from None
+def _read(path: str | PathLike[str]) -> dict[str, Any]:
+    text = read_text(path, _MOST_BYTES)
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also a whole number of too many digits
+        raise InputError(f"{path}: not a TOML file: {error}") from None
+    return content
+
+
+def _file(path: str | PathLike[str], content: dict[str, Any]) -> File:
     return File.model_validate(content, context={"folder": str(Path(path).parent)})
 
 

@@ -13,7 +13,8 @@ from ...errors import InputError
 from ...tables import read_columns
 
 
-Number = Annotated[float, Field(allow_inf_nan=False)]
+MOST_NUMBERS = 100_000  # of a list in a file
+Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e300, le=1e300)]
 AboveZero = Annotated[Number, Field(gt=0)]
 ZeroOrMore = Annotated[Number, Field(ge=0)]
 Share = Annotated[Number, Field(ge=0, le=1)]
@@ -24,6 +25,8 @@ def expand(value: Any) -> tuple[float, ...]:
     if isinstance(value, dict):
         return _range(value)
     numbers = value if isinstance(value, list | tuple) else [value]
+    if len(numbers) > MOST_NUMBERS:
+        raise InputError(f"expected at most {MOST_NUMBERS} numbers; got {len(numbers)}")
     for number in numbers:
         if not is_number(number):
             raise InputError(f"expected numbers or {{first, last, count or step}}; got {number!r}")
@@ -42,21 +45,35 @@ def _range(table: dict[str, Any]) -> tuple[float, ...]:
             raise InputError(f"{key}: expected a number; got {number!r}")
     first, last = float(table["first"]), float(table["last"])
     if "count" in table:
-        if not isinstance(table["count"], int) or table["count"] < 1:
-            raise InputError(f"count: expected a whole number, 1 or more; got {table['count']}")
+        count = table["count"]
+        if not isinstance(count, int) or not 1 <= count <= MOST_NUMBERS:
+            raise InputError(f"count: expected a whole number, 1 to {MOST_NUMBERS}; got {count}")
         return tuple(np.linspace(first, last, table["count"]).tolist())
     step = float(table["step"])
     if not step > 0 or last < first:
         raise InputError(f"expected first <= last and step > 0; got {first}, {last}, {step}")
     steps = (last - first) / step
+    if not steps < MOST_NUMBERS:
+        raise InputError(
+            f"expected at most {MOST_NUMBERS} values; steps of {step} make {steps:.6g}"
+        )
     if abs(steps - round(steps)) > 1e-9 * max(1.0, steps):
         raise InputError(f"steps of {step} from {first} do not end at {last}")
     return tuple((first + step * np.arange(round(steps) + 1)).tolist())
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether a value is a finite number, no larger than what overflows."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return -1e300 < value < 1e300
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not is_number(number):
+        raise ValueError(f"expected numbers; got {text}")
+    return number
 
 
 def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -178,14 +195,25 @@ def _rising(nodes: tuple[float, ...], values: tuple[float, ...]):
     return (nodes[::-1], values[::-1]) if falls else (nodes, values)
 
 
+def _beside(folder: Path, name: str) -> Path:
+    """A file in the folder of the campaign's or below, or wherever a whole name says."""
+    if not name or "\0" in name or (".." in Path(name).parts and not Path(name).is_absolute()):
+        raise InputError(
+            f"csv: expected a file beside the campaign's, or its whole name; got {name!r}"
+        )
+    return folder / name
+
+
 def _read_csv(folder: Path, given: dict[str, Any], first: str):
-    path = folder / str(given["csv"])
+    path = _beside(folder, str(given["csv"]))
     try:
         columns = read_columns(path, first, str(given["column"]))
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    if len(columns[0]) < 2:
-        raise InputError(f"{path}: expected two rows or more; got {len(columns[0])}")
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    if not 2 <= len(columns[0]) <= MOST_NUMBERS:
+        raise InputError(
+            f"{path}: expected two rows or more, {MOST_NUMBERS} at most; got {len(columns[0])}"
+        )
     for name, column in zip((first, given["column"]), columns, strict=True):
         if not np.isfinite(column).all():
             raise InputError(f"{path}: column {name}: expected a number in every row")

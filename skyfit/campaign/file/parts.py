@@ -2,7 +2,6 @@
 
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, StringConstraints, model_validator
 
 from ...constants import EARTH_RADIUS, TOP_OF_ATMOSPHERE
@@ -17,8 +16,9 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 class Planet(Section):
     """How large, and how high its atmosphere reaches."""
 
-    radius_m: AboveZero = EARTH_RADIUS
-    top_altitude_m: AboveZero = TOP_OF_ATMOSPHERE
+    # From a small moon to a giant planet; no atmosphere that scatters is thinner than a kilometre.
+    radius_m: Annotated[Number, Field(ge=1e5, le=1e9)] = EARTH_RADIUS
+    top_altitude_m: Annotated[Number, Field(ge=1e3, le=1e7)] = TOP_OF_ATMOSPHERE
     refractivity: Annotated[ZeroOrMore, Field(le=0.01)] | None = None
 
 
@@ -26,11 +26,11 @@ class Sun(Section):
     """Sunlight above the atmosphere."""
 
     spectrum: Literal["preetham1999", "astm_g173", "blackbody", "table"] = "preetham1999"
-    distance_au: AboveZero = 1.0
+    distance_au: Annotated[Number, Field(ge=1e-3, le=1e4)] = 1.0
     bandwidth_nm: Annotated[ZeroOrMore, Field(le=100)] = 10.0
-    temperature_K: AboveZero | None = None
-    radius_solar: AboveZero = 1.0
-    irradiance_W_per_m2_nm: Annotated[Any, spectral(0.0, np.inf, "W/m2/nm")] | None = None
+    temperature_K: Annotated[Number, Field(ge=300, le=1e6)] | None = None
+    radius_solar: Annotated[Number, Field(ge=1e-4, le=1e4)] = 1.0
+    irradiance_W_per_m2_nm: Annotated[Any, spectral(0.0, 1e9, "W/m2/nm")] | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> "Sun":
@@ -42,17 +42,21 @@ class Sun(Section):
 
 
 class Ground(Section):
-    """A Lambertian ground."""
+    """A Lambertian ground, and how high it lies above sea level.
+
+    Gases have their profiles above sea level, aerosols above the ground they lie on.
+    """
 
     albedo: Annotated[Any, spectral(0.0, 1.0)] = 0.0
     scale: Annotated[ZeroOrMore, Field(le=10)] = 1.0
+    altitude_m: Annotated[ZeroOrMore, Field(le=20e3)] | None = None
 
 
 class Exponential(Section):
     """Falls by a factor e with every scale height."""
 
     kind: Literal["exponential"]
-    scale_height_m: AboveZero
+    scale_height_m: Annotated[Number, Field(gt=0, le=1e6)]
 
 
 class Tent(Section):
@@ -98,7 +102,7 @@ class Air(Section):
 
     name: Name
     kind: Literal["air"]
-    pressure_ratio: AboveZero = 1.0
+    pressure_ratio: Annotated[Number, Field(gt=0, le=1e4)] = 1.0
     depolarised: bool = True
     profile: Profile = Standard(kind="us_standard_1976")
 
@@ -116,7 +120,7 @@ class Ozone(Section):
 
     name: Name
     kind: Literal["ozone"]
-    dobson_units: ZeroOrMore
+    dobson_units: Annotated[ZeroOrMore, Field(le=1e6)]
     cross_section: Literal["bogumil2003", "preetham1999"] = "bogumil2003"
     profile: Profile = Standard(kind="ozone")
 
@@ -129,8 +133,8 @@ class NitrogenDioxide(Section):
 
     name: Name
     kind: Literal["nitrogen_dioxide"]
-    dobson_units: ZeroOrMore | None = None
-    column_per_m2: ZeroOrMore | None = None
+    dobson_units: Annotated[ZeroOrMore, Field(le=1e6)] | None = None
+    column_per_m2: Annotated[ZeroOrMore, Field(le=1e32)] | None = None
     temperature_K: Annotated[Number, Field(ge=220, le=294)] = 220.0
     profile: Profile = Tent(kind="tent", bottom_m=12e3, peak_m=25e3, top_m=40e3)
 
@@ -148,7 +152,7 @@ class OxygenDimer(Section):
 
     name: Name
     kind: Literal["oxygen_dimer"]
-    pressure_ratio: AboveZero = 1.0
+    pressure_ratio: Annotated[Number, Field(gt=0, le=1e4)] = 1.0
     oxygen_fraction: Share = 0.20946
     profile: Profile = Standard(kind="us_standard_1976")
 
@@ -167,7 +171,7 @@ class Oxygen(Section):
 
     name: Name
     kind: Literal["oxygen"]
-    pressure_ratio: ZeroOrMore = 1.0
+    pressure_ratio: Annotated[Number, Field(ge=0, le=1e4)] = 1.0
     profile: Profile = Standard(kind="us_standard_1976")
 
 
@@ -180,12 +184,12 @@ class Gas(Section):
 
     name: Name
     kind: Literal["gas"]
-    number_density_per_m3: ZeroOrMore | None = None
-    scattering_per_m: Annotated[Any, spectral(0.0, np.inf, "1/m")] | None = None
+    number_density_per_m3: Annotated[ZeroOrMore, Field(le=1e32)] | None = None
+    scattering_per_m: Annotated[Any, spectral(0.0, 1e3, "1/m")] | None = None
     scattering_cross_section_m2: Annotated[Any, spectral(0.0, 1e-20, "m2")] | None = None
-    absorption_per_m: Annotated[Any, spectral(0.0, np.inf, "1/m")] | None = None
+    absorption_per_m: Annotated[Any, spectral(0.0, 1e3, "1/m")] | None = None
     absorption_cross_section_m2: Annotated[Any, spectral(0.0, 1e-15, "m2")] | None = None
-    reference_wavelength_nm: AboveZero = 550.0
+    reference_wavelength_nm: Annotated[Number, Field(ge=10, le=1e6)] = 550.0
     depolarisation: Annotated[Any, spectral(0.0, 1.0)] = 0.0
     profile: Profile
 
