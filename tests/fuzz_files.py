@@ -267,8 +267,8 @@ class Workshop:
 KINDS = ("toml", "csv", "json", "zarr", "netcdf", "words")
 
 
-def fault_of(home: Path, words: list[str]) -> str | None:
-    """What is wrong with the answer to a command line; None if nothing is."""
+def answer_to(home: Path, words: list[str]) -> tuple[str, str | None]:
+    """The answer to a command line, and what is wrong with it; None if nothing is."""
     from skyfit import cli
 
     before = _state(home)
@@ -279,31 +279,31 @@ def fault_of(home: Path, words: list[str]) -> str | None:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             status = cli.run(words)
     except BaseException as error:
-        return f"traceback: {''.join(traceback.format_exception(error))[-1500:]}"
+        return "fault", f"traceback: {''.join(traceback.format_exception(error))[-1500:]}"
     finally:
         signal.alarm(0)
     said = err.getvalue()
     last = [line for line in said.splitlines() if not line.startswith("skyfit: warning: ")]
     if status not in (0, 2) or "Traceback" in said:
-        return f"status {status}: {said}"
+        return "fault", f"status {status}: {said}"
     if status == 2 and len(last) != 1:
-        return f"not one line: {said}"
+        return "fault", f"not one line: {said}"
     target = words[words.index("--out") + 1] if "--out" in words[:-1] else ""
     changed = [name for name in before if _state(home).get(name) != before[name]]
     own = words[0] == "simulate" and all(name.startswith("m.zarr") for name in changed)
     if changed and not own and "--overwrite" not in words:
-        return f"changed {changed}: {said}"
+        return "fault", f"changed {changed}: {said}"
     left = [name for name in _state(home) if Path(name).name.startswith(".")]
     if left:
-        return f"left behind: {left}"
+        return "fault", f"left behind: {left}"
     if status == 0 and target.endswith((".txt", ".json", ".png", ".gif")):
         written = Path(home, target).expanduser()
         if not written.exists() or not written.stat().st_size:
-            return f"lost: {out.getvalue()}"
+            return "fault", f"lost: {out.getvalue()}"
         if target == "o.txt" and re.search(r"(?<![\w.])-?(nan|inf|NaN|Infinity)\b(?!\()",
                                            _without_comments(written.read_text())):  # fmt: skip
-            return "a number of the export is none"
-    return None
+            return "fault", "a number of the export is none"
+    return "refused" if status else "taken", None
 
 
 def _without_comments(code: str) -> str:
@@ -340,8 +340,8 @@ def run(numbers, seed: int, kinds=KINDS, show=print):
                 kind = kinds[number % len(kinds)]
                 words = getattr(workshop, kind)(rng)
                 begun = time.monotonic()
-                fault = fault_of(home, words)
-                counts[kind, words[0], "fault" if fault else "fine"] += 1
+                answer, fault = answer_to(home, words)
+                counts[kind, words[0], answer] += 1
                 if fault:
                     faults.append((number, kind, words, fault))
                     show(f"--- {seed} {number} {kind} {' '.join(words)!r:.150}\n{fault}")
@@ -368,6 +368,6 @@ if __name__ == "__main__":
         tuple(given.kind or KINDS),
     )
     for (kind, command, answer), number in sorted(found.items()):
-        sys.stdout.write(f"{kind:<8} {command:<10} {answer:<6} {number}\n")
+        sys.stdout.write(f"{kind:<8} {command:<10} {answer:<8} {number}\n")
     sys.stdout.write(f"{sum(found.values())} cases, {len(bad)} faults\n")
     sys.exit(bool(bad))

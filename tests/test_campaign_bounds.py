@@ -28,10 +28,10 @@ HAZE = (
          "sampling.relative_azimuth_deg: expected at most 100000 values; steps of 1e-05 make 1.8"),
         ("[sampling]\nview_zenith_deg = {first = 0, last = 90, count = 2000}\n"
          "relative_azimuth_deg = {first = 0, last = 180, count = 2000}",
-         "sampling: expected at most 1000000 directions; got 4000000"),
-        ("[sampling]\nview_zenith_deg = {first = 0, last = 90, count = 900}\n"
+         "sampling: expected at most 100000 directions; got 4000000"),
+        ("[sampling]\nview_zenith_deg = {first = 0, last = 90, count = 90}\n"
          "relative_azimuth_deg = {first = 0, last = 180, count = 1000}",
-         "expected at most 1000000000 radiances; 60 skies of 900001 directions"),
+         "expected at most 200000000 radiances; 60 skies of 90001 directions"),
         ("[simulation]\norders = 1000000", "simulation.orders: expected less than or equal to 100"),
         (AIR + "[planet]\ntop_altitude_m = 1", "planet.top_altitude_m: .*or equal to 1000; got 1"),
         (AIR + "[planet]\nradius_m = 3.39", "planet.radius_m: .*equal to 100000; got 3.39"),
@@ -83,8 +83,8 @@ def test_names_that_no_call_can_have_are_refused_in_programs_too(name):
 
 
 def test_campaigns_of_programs_are_bounded_too():
-    many = np.zeros(1_000_001)
-    with pytest.raises(ValueError, match="at most 1000000 directions; got 1000001"):
+    many = np.zeros(100_001)
+    with pytest.raises(ValueError, match="at most 100000 directions; got 100001"):
         Campaign(view_zenith=many, relative_azimuth=many)
 
 

@@ -114,6 +114,14 @@ def test_fits_are_replaced_only_on_demand(home, capsys, monkeypatch):
     assert skyfit.load_fit("new/fit.json").channels == fit.channels
 
 
+def test_what_is_no_fit_is_never_replaced_and_known_before_the_work(home, capsys, monkeypatch):
+    monkeypatch.setattr(skyfit, "fit_sky", lambda *_, **__: pytest.fail("was fitted"))
+    (home / "a.json").write_text("precious")
+    assert cli.run(["fit", "s.nc", "--out", "a.json", "--overwrite"]) == 2
+    assert "a.json: expected a fit in JSON" in capsys.readouterr().err
+    assert (home / "a.json").read_text() == "precious"
+
+
 def test_nothing_is_simulated_for_a_result_that_cannot_be_written(home, monkeypatch, capsys):
     monkeypatch.setattr(runner, "simulate", lambda **_: pytest.fail("was simulated"))
     (home / "file").write_text("a file")

@@ -52,6 +52,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return complain(error.format_message(), MISTAKE)
     except (KeyboardInterrupt, click.Abort):
         return interrupted()
+    except MemoryError as error:
+        return complain(f"there is not enough memory for this; {error}", MISTAKE)
     except Exception as error:
         if isinstance(error, OSError) and error.filename is not None:
             return complain(f"{error.filename}: {error.strerror}", MISTAKE)

@@ -74,10 +74,12 @@ def export(
 
 def _formula(sky: str, settings: dict[str, float] | None):
     """A sky by file or word, and the parameters that it still wants; None where it stays open."""
-    if sky == REFIT:
-        return paper_refit(), settings or {}
     if sky != PUBLISHED:
-        return skyfit.load_fit(sky), settings or {}
+        fit = paper_refit() if sky == REFIT else skyfit.load_fit(Path(sky).expanduser())
+        if settings is not None and set(settings) != set(fit.swept):
+            wanted = ", ".join(f"{name}=VALUE" for name in fit.swept) or "none"
+            raise click.UsageError(f"--set: expected {wanted} for this fit")
+        return fit, settings or {}
     if settings is None:
         return skyfit.preetham_sky(2.0), {}  # turbidity is an argument of what is written
     if list(settings) != ["turbidity"]:

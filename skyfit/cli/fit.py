@@ -10,6 +10,7 @@ import skyfit
 from skyfit._files import refuse_target
 from skyfit.colour import PAPER_CHANNELS
 from skyfit.fitting.choices import ZENITHS
+from skyfit.fitting.document import refuse_no_fit
 from skyfit.report.coefficients import has_published_form
 
 from .options import FILE, as_json, overwrite
@@ -84,6 +85,7 @@ def fit(
     For the published form, the published coefficients stand beside them.
     """
     refuse_target(out, overwrite=overwrite)
+    refuse_no_fit(out)  # which is not replaced: better known before the work
     skies = skyfit.load_dataset(sky)
     with progress("fitting", quiet=as_json):
         found = skyfit.fit_sky(

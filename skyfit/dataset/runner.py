@@ -46,6 +46,7 @@ class _Place(NamedTuple):
     altitude: float
 
 
+_DIRECTIONS_PER_CALL = 20_000  # of all suns together, for the memory that a call takes
 Variables = dict[str, np.ndarray]
 
 
@@ -79,7 +80,8 @@ def run_campaign(
             finished sky: the same call continues it after an interruption.
         workers: Threads that run the compiled program side by side.
         suns_per_call: Suns that one call of the program simulates: how much an interruption
-            loses, and how much memory a call takes. All of a turbidity's, at most 12, by default.
+            loses, and how much memory a call takes. All of a turbidity's by default, but at
+            most 12, and fewer where there are thousands of directions.
             Campaigns with as many share the compiled program.
         estimate_error: "sample" to simulate a few skies at the next coarser sizes too and put on
             record how far the radiances may be off; "all" to do so with every sky, and record it
@@ -101,7 +103,8 @@ def run_campaign(
     if store is not None:
         check_suffix(store)
     if suns_per_call is None:
-        suns_per_call = min(12, len(campaign.sun_zenith))
+        fit = max(1, _DIRECTIONS_PER_CALL // len(campaign.view_zenith))
+        suns_per_call = min(12, fit, len(campaign.sun_zenith))
     if workers < 1 or suns_per_call < 1:
         raise InputError(
             "run_campaign: expected workers and suns_per_call of 1 or more; "

@@ -49,9 +49,12 @@ class SkyStore:
             self._create(template)
         self._group = group = zarr.open_group(self.path, mode="r+")
         self._skies = _sky_shape(template)
-        self._arrays = {name: _array(group, str(name)) for name in template.data_vars}
+        self._arrays = {
+            name: self._of_shape(str(name), array.shape)
+            for name, array in template.data_vars.items()
+        }
         # A record that was saved whole has no such mark.
-        self._done = _array(group, "done") if "done" in group else None
+        self._done = self._of_shape("done", self._skies) if "done" in group else None
 
     def done(self) -> np.ndarray:
         """Which skies are finished, over the campaign's `sky_dims`."""
@@ -62,6 +65,14 @@ class SkyStore:
     def read(self, name: str) -> np.ndarray:
         """A variable of all skies; NaN where they are not done."""
         return self._read(name, _array(self._group, name))
+
+    def _of_shape(self, name: str, shape: tuple[int, ...]) -> Any:
+        """An array of the store, which is as large as the campaign's before it is read."""
+        array = _array(self._group, name) if name in self._group else None
+        if array is None or tuple(array.shape) != tuple(shape):
+            came = "none" if array is None else f"shape {array.shape}"
+            raise InputError(f"{self.path}: {name}: expected shape {tuple(shape)}; got {came}")
+        return array
 
     def _read(self, name: str, array: Any) -> np.ndarray:
         try:
@@ -100,7 +111,7 @@ class SkyStore:
             whole = xr.Dataset({name: blank.drop_vars(list(blank.coords))}, attrs=self.attributes)
             chunks = {name: {"chunks": _one_sky(blank.shape, len(self._skies))}}
             whole.to_zarr(self.path, mode="a", consolidated=False, encoding=chunks)
-        self._arrays[name] = _array(self._group, name)
+        self._arrays[name] = self._of_shape(name, blank.shape)
         return self.read(name)
 
     def put(self, name: str, sky: tuple[int, ...], array: np.ndarray) -> None:

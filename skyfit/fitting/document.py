@@ -29,11 +29,20 @@ def write_document(path: str | PathLike[str], fields: dict[str, Any]) -> None:
     Raises:
         ValueError: There is a file that is no fit of skyfit: it is not replaced.
     """
-    target = Path(path)
-    if target.exists() and target.stat().st_size:
-        _read(target)
+    refuse_no_fit(path)
     document = {"schema": SCHEMA, **plain(fields)}
-    write_text(target, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def refuse_no_fit(path: str | PathLike[str]) -> None:
+    """Refuse a place where there is something that is no fit of skyfit's, and so not replaced.
+
+    Raises:
+        InputError: There is.
+    """
+    target = Path(path)
+    if target.exists() and not (target.is_file() and target.stat().st_size == 0):
+        _read(target)
 
 
 def read_document(path: str | PathLike[str]) -> dict[str, Any]:

@@ -28,19 +28,19 @@ _MOST_DEGREE = 40
 
 def _increasing(values: list[float]) -> list[float]:
     if any(after <= before for before, after in itertools.pairwise(values)):
-        raise ValueError("expected increasing values")
+        raise InputError("expected increasing values")
     return values
 
 
 def _low_to_high(ends: tuple[float, float]) -> tuple[float, float]:
     if not ends[0] <= ends[1]:
-        raise ValueError(f"expected low, high; got {ends[0]:g}, {ends[1]:g}")
+        raise InputError(f"expected low, high; got {ends[0]:g}, {ends[1]:g}")
     return ends
 
 
 def _rectangular(rows: list[list[float]]) -> list[list[float]]:
     if len({len(row) for row in rows}) > 1:
-        raise ValueError("expected rows of one length")
+        raise InputError("expected rows of one length")
     return rows
 
 
@@ -51,14 +51,14 @@ def _numbers(value: Any) -> Any:
     except (OverflowError, TypeError, ValueError):
         fine = False
     if not fine:
-        raise ValueError("expected finite numbers")
+        raise InputError("expected finite numbers")
     return value
 
 
 def _one_of(*choices: str) -> AfterValidator:
     def checked(word: str) -> str:
         if word not in choices:
-            raise ValueError(f"expected one of {', '.join(choices)}; got {word!r}")
+            raise InputError(f"expected one of {', '.join(choices)}; got {word!r}")
         return word
 
     return AfterValidator(checked)
@@ -126,9 +126,9 @@ Axis = Annotated[_Tents | _Line | _Chebyshev, Field(discriminator="kind")]
 def _one_axis_each(axes: list[Any]) -> list[Any]:
     names = [axis.quantity for axis in axes]
     if len(set(names)) < len(names):
-        raise ValueError(f"expected one axis for a quantity; got {', '.join(names)}")
+        raise InputError(f"expected one axis for a quantity; got {', '.join(names)}")
     if math.prod(axis.size for axis in axes) > _MOST_TERMS:
-        raise ValueError(f"expected at most {_MOST_TERMS} terms")
+        raise InputError(f"expected at most {_MOST_TERMS} terms")
     return axes
 
 
@@ -180,21 +180,21 @@ class _Formula(_Part):
     def _of_one_piece(self):
         count = len(self.channels)
         if len(set(self.channels)) < count:
-            raise ValueError(f"channels: expected different names; got {', '.join(self.channels)}")
+            raise InputError(f"channels: expected different names; got {', '.join(self.channels)}")
         if self.kind in CHANNEL_KINDS and tuple(self.channels) != CHANNEL_KINDS[self.kind]:
-            raise ValueError(
+            raise InputError(
                 f"channels: expected {CHANNEL_KINDS[self.kind]}; got {', '.join(self.channels)}"
             )
         if (self.kind == "bands") != (self.wavelengths is not None):
-            raise ValueError("wavelengths: expected those of bands, and of nothing else")
+            raise InputError("wavelengths: expected those of bands, and of nothing else")
         if self.wavelengths is not None and len(self.wavelengths) != count:
-            raise ValueError(f"wavelengths: expected {count}; got {len(self.wavelengths)}")
+            raise InputError(f"wavelengths: expected {count}; got {len(self.wavelengths)}")
         if SUN in self.ranges:
-            raise ValueError(f"ranges: {SUN} is the sun's, and no parameter")
+            raise InputError(f"ranges: {SUN} is the sun's, and no parameter")
         if isinstance(self.scale, _PaperZenith) and self.kind != "Yxy":
-            raise ValueError(f"scale: the paper's zenith is of kind 'Yxy'; got {self.kind!r}")
+            raise InputError(f"scale: the paper's zenith is of kind 'Yxy'; got {self.kind!r}")
         if isinstance(self.scale, _Logarithm) and len(self.scale.night) != count:
-            raise ValueError(f"scale.night: expected {count}; got {len(self.scale.night)}")
+            raise InputError(f"scale.night: expected {count}; got {len(self.scale.night)}")
         return self
 
 

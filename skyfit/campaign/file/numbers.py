@@ -72,7 +72,7 @@ def is_number(value: Any) -> bool:
 def _finite(text: str) -> float:
     number = float(text)
     if not is_number(number):
-        raise ValueError(f"expected numbers; got {text}")
+        raise InputError(f"expected numbers; got {text}")
     return number
 
 
