@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from stand_in import stand_in
@@ -223,3 +224,19 @@ def test_the_package_runs_as_a_module():
         [sys.executable, "-m", "skyfit", "--version"], capture_output=True, text=True, check=True
     )
     assert run.stdout.strip().endswith(skyfit.__version__)
+
+
+@pytest.mark.parametrize("name", sorted(cli.commands.commands))
+def test_help_has_a_sentence_for_each_option_and_an_example(name, capsys):
+    command = cli.commands.commands[name]
+    options = [one for one in command.params if isinstance(one, click.Option)]
+    for option in options:
+        # A noun or a verb first, not "of a", "as for"; and a full stop.
+        assert re.match(r"[A-Z]", option.help or ""), option.name
+        assert not re.match(r"(Of|As|For|In) ", option.help), option.name
+        assert option.help.endswith("."), option.name
+    assert cli.run([name, "--help"]) == 0
+    printed = capsys.readouterr().out
+    assert f"\n  skyfit {name} " in printed
+    # The short help beside the command's name is not cut.
+    assert len(command.get_short_help_str(200)) <= 60

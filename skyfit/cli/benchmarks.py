@@ -77,9 +77,13 @@ _SCALING = {
     help="Compare with quality high, and estimate the error by the next coarser sizes; both take "
     "longer.",
 )
-@click.option("--qualities", is_flag=True, help="Time and estimated error of every quality.")
-@click.option("--gradient", is_flag=True, help="The gradient's time and memory too.")
-@click.option("--scaling", is_flag=True, help="Time against wavelengths, directions, suns, orders.")
+@click.option(
+    "--qualities", is_flag=True, help="Measure time and estimated error of every quality."
+)
+@click.option("--gradient", is_flag=True, help="Measure the gradient's time and memory too.")
+@click.option(
+    "--scaling", is_flag=True, help="Measure time against wavelengths, directions, suns, orders."
+)
 @as_json
 def benchmarks(
     orders: tuple[str, ...],
@@ -91,11 +95,14 @@ def benchmarks(
     scaling: bool,
     as_json: bool,
 ) -> int:
-    """Measure the simulator on this machine, each case in a process of its own.
+    """Measure the simulator on this machine.
 
-    More than ten minutes on two cores with everything, five with --no-accuracy. Nothing else should
+    Each case has a process of its own.     More than ten minutes on two cores with everything, five with --no-accuracy. Nothing else should
     be running.
-    """
+
+    \b
+    skyfit benchmarks --orders 2 --precision 64 --no-accuracy
+    """  # noqa: D301, click reads the backslash
     with progress("benchmarks", quiet=as_json) as bar:
         record = skyfit.run_benchmarks(
             [None if number == "all" else int(number) for number in orders],

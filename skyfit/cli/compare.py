@@ -23,7 +23,9 @@ from .place import in_degrees
     callback=in_degrees,
     help="Zenith angle of the sun, in degrees.",
 )
-@click.option("--turbidity", type=Number(min=1), required=True, help="1 or more.")
+@click.option(
+    "--turbidity", type=Number(min=1), required=True, help="Turbidity of the air, 1 or more."
+)
 @click.option(
     "--fit",
     "fits",
@@ -40,7 +42,11 @@ def compare(
     settings: dict[str, float],
     as_json: bool,
 ) -> int:
-    """Print the same sky through every model side by side."""
+    """Print the same sky through every model side by side.
+
+    \b
+    skyfit compare --sun-zenith-deg 50 --turbidity 3 --fit fit.json
+    """  # noqa: D301, click reads the backslash
     known = {
         path.name: paper_refit() if str(path) == REFIT else skyfit.load_fit(path) for path in fits
     }

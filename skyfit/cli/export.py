@@ -28,12 +28,20 @@ from .output import print_record
     help="A language: python needs NumPy only, json has the numbers. Or a renderer, for a file "
     "that runs as it is; for radiance, --out ends in .rad, and the .cal is written beside it.",
 )
-@click.option("--out", type=FILE, required=True, help="Where the code goes.")
+@click.option("--out", type=FILE, required=True, help="File of the code.")
 @click.option(
     "--name", default="sky", show_default=True, help="What the functions' names begin with."
 )
-@click.option("--sun-zenith-deg", type=Number(0, 180), help="Of a .rad; 45 if absent.")
-@click.option("--sun-azimuth-deg", type=Number(), help="Of a .rad; compass, 180 if absent.")
+@click.option(
+    "--sun-zenith-deg",
+    type=Number(0, 180),
+    help="Zenith angle of the sun of a .rad, in degrees; 45 if absent.",
+)
+@click.option(
+    "--sun-azimuth-deg",
+    type=Number(),
+    help="Azimuth of the sun of a .rad by compass, in degrees; 180 if absent.",
+)
 @settings
 @overwrite
 @as_json
@@ -44,7 +52,12 @@ def export(
 
     SKY is a fit file, or the word "published", or "refit": the paper's formula fitted to the
     paper's campaign.
-    """
+
+    \b
+    skyfit export fit.json --format glsl --out sky.glsl
+    skyfit export refit --target threejs --out sky.js
+    skyfit export published --target radiance --set turbidity=3 --sun-zenith-deg 50 --out sky.rad
+    """  # noqa: D301, click reads the backslash
     files = [out]
     if language == RADIANCE:
         if out.suffix != ".rad":

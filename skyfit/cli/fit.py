@@ -9,8 +9,9 @@ import click
 import skyfit
 from skyfit._files import refuse_target
 from skyfit.colour import PAPER_CHANNELS
-from skyfit.fitting.choices import ZENITHS
+from skyfit.fitting.choices import KINDS, ZENITHS
 from skyfit.fitting.document import refuse_no_fit
+from skyfit.models.domes import DISTRIBUTIONS
 from skyfit.report.coefficients import has_published_form
 
 from .options import FILE, as_json, overwrite
@@ -19,18 +20,21 @@ from .output import print_json, print_table, progress
 
 @click.command()
 @click.argument("sky", type=FILE)
-@click.option("--out", type=FILE, required=True, help="Where the fit goes (JSON).")
+@click.option("--out", type=FILE, required=True, help="File of the fit (JSON).")
 @click.option(
     "--distribution",
+    type=click.Choice(list(DISTRIBUTIONS)),
     default="perez",
     show_default=True,
-    help="Formula of the dome: perez, cie, hosek-wilkie or series.",
+    help="Formula of the dome.",
 )
 @click.option(
     "--dependence",
+    type=click.Choice(KINDS),
     default="linear",
     show_default=True,
-    help="Of its coefficients: linear in the parameter, polynomial in it and the sun, or nodes.",
+    help="Dependence of its coefficients: linear in the parameter, polynomial in it and the sun, "
+    "or linear between nodes.",
 )
 @click.option(
     "--zenith",
@@ -42,23 +46,24 @@ from .output import print_json, print_table, progress
 )
 @click.option(
     "--channels",
+    type=click.Choice(["Yxy", "XYZ", "RGB", "spectrum"]),
     default="Yxy",
     show_default=True,
-    help="What is fitted: Yxy, XYZ, RGB or spectrum.",
+    help="Channels that are fitted; spectrum is every wavelength.",
 )
 @click.option(
     "--weights",
     type=click.Choice(["equal", "solid angle"]),
     default="equal",
     show_default=True,
-    help="Of each direction.",
+    help="Weights of the directions.",
 )
 @click.option(
     "--residuals",
     type=click.Choice(["relative", "absolute"]),
     default="relative",
     show_default=True,
-    help="What is made small.",
+    help="Residuals that are made small.",
 )
 @click.option(
     "--compare-weights",
@@ -80,10 +85,14 @@ def fit(
     overwrite: bool,
     as_json: bool,
 ) -> int:
-    """Fit the sky model's coefficients to the skies in SKY and print them.
+    """Fit a formula to the skies in SKY and print it.
 
     For the published form, the published coefficients stand beside them.
-    """
+
+    \b
+    skyfit fit sky.zarr --out fit.json
+    skyfit fit sky.zarr --out best.json --distribution series --dependence polynomial
+    """  # noqa: D301, click reads the backslash
     refuse_target(out, overwrite=overwrite)
     refuse_no_fit(out)  # which is not replaced: better known before the work
     skies = skyfit.load_dataset(sky)

@@ -40,6 +40,10 @@ class Number(click.FloatRange):
             self.fail(f"expected a number; got {value}", param, ctx)
         return super().convert(value, param, ctx)
 
+    def _describe_range(self) -> str:
+        # Without bounds click would say "x<=None".
+        return "" if self.min is None and self.max is None else super()._describe_range()
+
 
 class _Setting(click.ParamType):
     """NAME=VALUE, as a pair."""

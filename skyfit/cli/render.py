@@ -25,77 +25,100 @@ VIEWS = ("fisheye", "panorama", "perspective")
     "--out",
     type=FILE,
     required=True,
-    help="Ends in .exr, .hdr or .png; .gif or .apng for a day.",
+    help="Picture to write: .exr or .hdr with luminances, .png for a screen; .gif or .apng for a "
+    "day.",
 )
 @click.option(
     "--turbidity",
     type=Number(),
-    help="3 where there is no SKY; of the sky where the file has several or none; or the value of "
-    "what else it sweeps.",
+    help="Turbidity of the sky, 3 where there is no SKY; or value of what else the file sweeps.",
 )
 @settings
 @click.option(
     "--sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
-    help="45 if absent, or the sun of the one sky in SKY.",
+    help="Zenith angle of the sun, in degrees; 45 if absent, or that of the one sky in SKY.",
 )  # fmt: skip
 @click.option(
     "--sun-azimuth-deg", type=Number(-360, 360),
-    help="Compass: 0 north, 90 east; 180 if absent.",
+    help="Azimuth of the sun by compass, in degrees: 0 north, 90 east; 180 if absent.",
 )  # fmt: skip
-@click.option("--view", type=click.Choice(VIEWS), default="fisheye", show_default=True)
+@click.option(
+    "--view", type=click.Choice(VIEWS), default="fisheye", show_default=True,
+    help="Projection of the picture.",
+)  # fmt: skip
 @click.option(
     "--projection", type=click.Choice(PROJECTIONS), default="equidistant",
-    show_default=True, help="Of a fisheye.",
+    show_default=True, help="Whether equal distances or equal areas of a fisheye are equal angles.",
 )  # fmt: skip
 @click.option(
     "--height", type=click.IntRange(1, 16384), default=512, show_default=True,
-    help="Rows; a panorama is twice as wide, a fisheye square.",
+    help="Rows of the picture; a panorama is twice as wide, a fisheye square.",
 )  # fmt: skip
-@click.option("--width", type=click.IntRange(1, 16384), help="Columns of a perspective; 4/3 rows.")
+@click.option(
+    "--width",
+    type=click.IntRange(1, 16384),
+    help="Columns of a perspective; 4/3 of the rows if absent.",
+)
 @click.option(
     "--facing-deg", type=Number(), default=0.0, show_default=True,
-    help="Azimuth at a fisheye's top, or in the middle of another view.",
+    help="Compass azimuth at the top of a fisheye, or in the middle of another view, in degrees.",
 )  # fmt: skip
-@click.option("--elevation-deg", type=Number(-90, 90), default=10.0, show_default=True)
+@click.option(
+    "--elevation-deg", type=Number(-90, 90), default=10.0, show_default=True,
+    help="Elevation of the middle of a perspective, in degrees.",
+)  # fmt: skip
 @click.option(
     "--field-of-view-deg",
     type=Number(0.01, 180, max_open=True),
     default=65.0,
     show_default=True,
+    help="Width of a perspective, in degrees.",
 )
-@click.option("--altitude-m", type=Number(0), default=0.0, show_default=True)
+@click.option(
+    "--altitude-m", type=Number(0), default=0.0, show_default=True,
+    help="Altitude of the eye above the ground, in metres; for skies that are simulated (.toml).",
+)  # fmt: skip
 @click.option("--sun/--no-sun", "sun_disc", default=True, help="Show the sun's disc.")
 @click.option(
     "--ground-albedo", type=Number(0, 1),
-    help="Below the horizon; 0.2 if absent, or the atmosphere's own.",
+    help="Albedo of the ground below the horizon; 0.2 if absent, or the atmosphere's own.",
 )  # fmt: skip
-@click.option("--latitude-deg", type=Number(-90, 90), help="Of a time, or of a day.")
-@click.option("--longitude-deg", type=Number(-180, 360), help="Of a time; east.")
+@click.option(
+    "--latitude-deg", type=Number(-90, 90), help="Latitude of the place, in degrees north."
+)
+@click.option(
+    "--longitude-deg", type=Number(-180, 360), help="Longitude of the place, in degrees east."
+)
 @click.option(
     "--time",
-    help="Of one picture: 2024-06-21T12:00+02:00; or solar time as 12:00, with --day-of-year.",
+    help="Time of one picture, as 2024-06-21T12:00+02:00; or solar time as 12:00, with "
+    "--day-of-year.",
 )
-@click.option("--day-of-year", type=click.IntRange(1, 366), help="Of a day, or of a solar time.")
+@click.option(
+    "--day-of-year",
+    type=click.IntRange(1, 366),
+    help="Day of the year of a solar time, or of a day's frames.",
+)
 @click.option(
     "--to-sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
-    help="In place of a day: the sun moves here from --sun-zenith-deg.",
+    help="Zenith angle to which the sun moves from --sun-zenith-deg, for no day, in degrees.",
 )  # fmt: skip
 @click.option(
-    "--frames", type=click.IntRange(1, 2000), default=96, show_default=True, help="Of a day."
+    "--frames", type=click.IntRange(1, 2000), default=96, show_default=True, help="Frames of a day."
 )
 @click.option(
     "--seconds",
     type=Number(0, 3600, min_open=True),
     default=8.0,
     show_default=True,
-    help="A day lasts.",
+    help="How long the frames of a day are shown.",
 )
 @click.option(
     "--ev", type=Number(-100, 100), help="Exposure value (ISO 100) of a PNG; automatic if absent."
 )
 @click.option(
     "--tone", type=click.Choice(TONES), default="aces", show_default=True,
-    help="Tone curve of a PNG.",
+    help="Tone curve from luminance to a PNG's values.",
 )  # fmt: skip
 @click.option(
     "--gamut", type=click.Choice(GAMUTS), default="desaturate",
@@ -103,31 +126,48 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )  # fmt: skip
 @click.option(
     "--precision", type=click.Choice(PRECISIONS), default="half", show_default=True,
-    help="Of an EXR.",
+    help="Precision of the numbers of an EXR.",
 )  # fmt: skip
 @click.option(
     "--terrain", type=FILE,
     help="Heights (.npz, .tif) to stand on, or the word sample; for --view perspective.",
 )  # fmt: skip
-@click.option("--eye-east-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
-@click.option("--eye-north-m", type=Number(), help="Of the terrain's corner; its middle if absent.")
+@click.option(
+    "--eye-east-m", type=Number(),
+    help="Distance of the eye east of the terrain's corner, in metres; its middle if absent.",
+)  # fmt: skip
+@click.option(
+    "--eye-north-m", type=Number(),
+    help="Distance of the eye north of the terrain's corner, in metres; its middle if absent.",
+)  # fmt: skip
 @click.option(
     "--aerial", type=click.Choice(AIRS), default="paper", show_default=True,
-    help="Air before the terrain.",
+    help="Air before the terrain: by the paper, by Ward and Larson, or none.",
 )  # fmt: skip
-@click.option("--shafts", is_flag=True, help="The terrain shades the air too.")
-@click.option("--samples", type=int, default=16, show_default=True, help="Per pixel of a terrain.")
+@click.option("--shafts", is_flag=True, help="Have the terrain shade the air too.")
+@click.option(
+    "--samples", type=int, default=16, show_default=True, help="Rays per pixel of a terrain."
+)
 @overwrite
 @as_json
 def render(sky: Path | None, out: Path, as_json: bool, **options: Any) -> int:
-    """Make a picture of a sky: fisheye dome, panorama, perspective, or a day of them.
+    """Make a picture of a sky, or of a day of them.
+
+    The picture is a fisheye dome, a panorama or a perspective.
 
     SKY is a fit (.json), a campaign file (.toml) whose sky is simulated, a dataset (.zarr, .nc), or
     a word: refit for the paper's formula fitted to its campaign, cornell for a measured sky,
     published for the published model, as without SKY. EXR and HDR files hold luminance, a PNG what
     a camera would show of it. Finished frames of a day are kept beside it until it is written:
     after an interruption the same command continues.
-    """
+
+    \b
+    skyfit render --turbidity 3 --sun-zenith-deg 60 --out sky.png
+    skyfit render fit.json --turbidity 3 --view panorama --out sky.exr
+    skyfit render sims/mars.toml --turbidity 0.5 --out mars.png
+    skyfit render --latitude-deg 48 --longitude-deg 16 --time 2024-06-21T18:00+02:00 --out now.png
+    skyfit render --latitude-deg 48 --day-of-year 172 --out day.gif
+    """  # noqa: D301, click reads the backslash
     look = skyfit.render
     check_samples(options["samples"])
     kind = look.check_target(out, options["overwrite"])

@@ -26,7 +26,10 @@ def reproduce(out: Path, workers: int, as_json: bool) -> int:
     """Run the paper's pipeline end to end and write a report.
 
     Writes report.html, report.json, the pictures, the simulated skies and the fit.
-    """
+
+    \b
+    skyfit reproduce --out skyfit-report
+    """  # noqa: D301, click reads the backslash
     with progress("recovery check", quiet=as_json) as bar:
         report = skyfit.reproduce(out, bar, workers=workers)
     if as_json:

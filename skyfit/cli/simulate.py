@@ -22,7 +22,7 @@ from .output import print_record, progress
     "--out",
     type=FILE,
     required=True,
-    help="Where the skies go: a name ending in .zarr (resumable) or .nc.",
+    help="File of the skies, .zarr (resumable) or .nc.",
 )
 @workers
 @click.option(
@@ -44,7 +44,10 @@ def simulate(
     The error is estimated by simulating skies at the next coarser sizes too: half the distance.
     Skies that are in a finished store are not simulated again for it. An estimate above 2 % is
     warned of; the exit status is 0 all the same.
-    """
+
+    \b
+    skyfit simulate sims/desert_dust.toml --out dust.zarr --estimate-error sample
+    """  # noqa: D301, click reads the backslash
     check_suffix(out)
     plan = skyfit.load_campaign(campaign)
     done = [0, plan.num_skies]
