@@ -97,8 +97,8 @@ def benchmarks(
 ) -> int:
     """Measure the simulator on this machine.
 
-    Each case has a process of its own.     More than ten minutes on two cores with everything, five with --no-accuracy. Nothing else should
-    be running.
+    Each case has a process of its own. It takes more than ten minutes on two cores with everything,
+    five with --no-accuracy. Nothing else should be running.
 
     \b
     skyfit benchmarks --orders 2 --precision 64 --no-accuracy
