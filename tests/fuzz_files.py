@@ -158,9 +158,12 @@ class Workshop:
     """Good files to begin with, and a folder in which each case is tried."""
 
     def __init__(self, home: Path):
+        import jax
+
         import skyfit
         from skyfit.dataset import runner, save_dataset
 
+        jax.config.update("jax_enable_x64", True)  # as the command line has it
         runner.simulate = lambda orders, **more: stand_in(orders=orders or 3, **more)
         self.home = home
         self.campaigns = [(HERE.parent / "sims" / f"{name}.toml").read_bytes() for name in

@@ -91,7 +91,15 @@ def test_another_campaigns_skies_are_replaced_only_on_demand(home, name, capsys)
     assert skyfit.load_dataset(name)["turbidity"].values.tolist() == [2, 5]
     assert simulate(name, "--overwrite") == 0
     assert skyfit.load_dataset(name)["turbidity"].values.tolist() == [2, 4]
-    assert sorted(path.name for path in home.iterdir()) == ["c.toml", "other.toml", name]
+    there = {path.name for path in home.iterdir()} - {".cache"}  # of libraries
+    assert there == {"c.toml", "other.toml", name}
+
+
+def test_a_finished_file_that_has_lost_its_radiance_is_refused(home, capsys):
+    assert simulate("sky.nc") == 0
+    skyfit.load_dataset("sky.nc").drop_vars("radiance").to_netcdf("less.nc", engine="netcdf4")
+    assert simulate("less.nc") == 2
+    assert "less.nc: radiance: is missing, or not of the campaign's" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["c.nc", "c.zarr"])

@@ -158,7 +158,11 @@ def opened(
             yield SkyStore(path, template, overwrite=overwrite), None
         elif holds_something(path) and not overwrite:
             refuse_another(path, template)
-            yield None, load_dataset(path)
+            dataset = load_dataset(path)
+            for name, array in {**template.data_vars, **template.coords}.items():
+                if name not in dataset or dataset[name].sizes != array.sizes:
+                    raise InputError(f"{path}: {name}: is missing, or not of the campaign's size")
+            yield None, dataset
         else:
             refuse_dataset(path, overwrite=overwrite)
             yield None, None
