@@ -9,7 +9,7 @@ TOP_OF_ATMOSPHERE = 60e3  # m above the ground; the air density there is 2.5e-4 
 # Preetham, Shirley & Smits (1999), appendix A.3
 AIR_REFRACTIVE_INDEX = 1.0003  # visible spectrum
 AIR_NUMBER_DENSITY = 2.545e25  # m^-3 at 288.15 K and 1013 mbar (the paper prints 228.15 K)
-AIR_DEPOLARISATION = 0.035
+PAPER_DEPOLARISATION = 0.035
 JUNGE_EXPONENT = 4  # size distribution of the haze
 
 LOSCHMIDT = 2.686780111e25  # m^-3; CODATA 2018, at 273.15 K and 101.325 kPa: a Dobson unit's gas

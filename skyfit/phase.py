@@ -8,13 +8,13 @@ forward, and answers in the same shape; with a wavelength axis last if it depend
 import abc
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ._typing import ArrayLike, as_float, as_parameter, check, falls_or_stays
 from .errors import InputError
+from .legendre import legendre_polynomials, powers
 from .phase_tables import normalised, panel_nodes
 
 
@@ -177,7 +177,7 @@ class HenyeyGreenstein(_Asymmetric):
 
     def legendre(self, degree: int) -> Float[Array, "{degree}+1 #wavelength"]:
         """Legendre coefficients χ₀…χ_degree: powers of g."""
-        return _powers(self.g, degree)
+        return powers(self.g, degree)
 
 
 class CornetteShanks(_Asymmetric):
@@ -205,16 +205,16 @@ class CornetteShanks(_Asymmetric):
         (1 + μ²) P_l expands in P_{l-2}, P_l and P_{l+2}; g^l stands for each P_l.
         """
         g = self.g
-        powers = _powers(g, degree + 2)
+        series = powers(g, degree + 2)
         n = np.arange(degree + 1, dtype=float)[:, None]
         up = (n + 1) * (n + 2) / ((2 * n + 1) * (2 * n + 3))
         down = np.where(n > 1, n * (n - 1) / ((2 * n + 1) * np.where(n > 0, 2 * n - 1, 1)), 0)
         same = (n + 1) ** 2 / ((2 * n + 1) * (2 * n + 3)) + np.where(
             n > 0, n**2 / ((2 * n + 1) * np.where(n > 0, 2 * n - 1, 1)), 0
         )
-        below = jnp.concatenate([jnp.zeros_like(powers[:2]), powers])[: degree + 1]
-        up, down, same = (jnp.asarray(c, powers.dtype) for c in (up, down, same))
-        mixed = up * powers[2:] + (1 + same) * powers[: degree + 1] + down * below
+        below = jnp.concatenate([jnp.zeros_like(series[:2]), series])[: degree + 1]
+        up, down, same = (jnp.asarray(c, series.dtype) for c in (up, down, same))
+        mixed = up * series[2:] + (1 + same) * series[: degree + 1] + down * below
         return (3 / (2 * (2 + g**2)))[None, :] * mixed
 
 
@@ -276,22 +276,3 @@ class Tabulated(AbstractPhaseFunction):
         polynomials = legendre_polynomials(degree, jnp.cos(theta))
         weighted = (2 * np.pi * weight * jnp.sin(theta))[:, None] * self.spectral(jnp.cos(theta))
         return polynomials @ weighted
-
-
-def legendre_polynomials(
-    degree: int, x: Float[Array, " point"]
-) -> Float[Array, "{degree}+1 point"]:
-    """Legendre polynomials P₀…P_degree at points in [-1, 1], by the three-term recurrence."""
-
-    def step(carry, n):
-        before, here = carry
-        after = ((2 * n + 1) * x * here - n * before) / (n + 1)
-        return (here, after), here
-
-    start = (jnp.zeros_like(x), jnp.ones_like(x))
-    return jax.lax.scan(step, start, jnp.arange(degree + 1, dtype=x.dtype))[1]
-
-
-def _powers(g: Float[Array, " wavelength"], degree: int) -> Float[Array, "{degree}+1 wavelength"]:
-    """1, g, g², … g^degree; by products, so that the derivative at g = 0 is finite."""
-    return jax.lax.scan(lambda here, _: (here * g, here), jnp.ones_like(g), length=degree + 1)[1]

@@ -33,10 +33,10 @@ from .profile import (
     Tabulated as TabulatedProfile,
     elterman_haze,
 )
+from .spectrum import PAPER_WAVELENGTHS
 from .tables import read_table
 
 
-PAPER_WAVELENGTHS = np.arange(380.0, 781.0, 10.0)  # nm
 OZONE_AMOUNT = 0.0035  # m at NTP; Preetham et al. (1999), appendix A.1
 TurbidityMeaning = Literal["optical thickness", "coefficients"]
 TURBIDITY_MEANINGS: tuple[str, ...] = get_args(TurbidityMeaning)
@@ -52,7 +52,7 @@ def rayleigh_scattering(wavelengths: ArrayLike) -> Float[Array, "..."]:
         wavelengths: Wavelengths, any shape [nm].
     """
     lam = 1e-9 * as_float(wavelengths)
-    p = constants.AIR_DEPOLARISATION
+    p = constants.PAPER_DEPOLARISATION
     refraction = (constants.AIR_REFRACTIVE_INDEX**2 - 1) ** 2
     king = (6 + 3 * p) / (6 - 7 * p)
     strength = 8 * np.pi**3 * refraction / (3 * constants.AIR_NUMBER_DENSITY) * king

@@ -16,6 +16,8 @@ from .tables import read_table
 
 
 DAYLIGHT_RANGE = (300.0, 830.0)  # nm; CIE 015:2018, table 6
+# Those of the paper's simulation, which are the default of campaigns and of the paper's atmosphere.
+PAPER_WAVELENGTHS = np.arange(380.0, 781.0, 10.0)  # nm
 
 
 @jax.jit

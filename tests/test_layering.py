@@ -12,7 +12,7 @@ ORDER = [
     "errors", "_files", "_progress", "_typing",                         # what everything needs
     "constants", "tables", "provenance",                      # numbers
     "spectrum", "colour", "angles",                           # light and directions
-    "phase_tables", "phase", "profile", "bands",              # what skies are made of
+    "legendre", "phase_tables", "phase", "profile", "bands",              # what skies are made of
     "atmosphere", "preetham_air", "sun",
     "models", "weather", "turbidity", "fitting",              # closed forms, and fitting them
     "transfer",                                               # simulation

@@ -8,6 +8,7 @@ import pytest
 
 from skyfit import phase, preetham_air, profile
 from skyfit.preetham_air import preetham_atmosphere
+from skyfit.spectrum import PAPER_WAVELENGTHS
 
 
 TURBIDITIES = (1.0, 2.0, 3.7, 6.0)
@@ -117,8 +118,8 @@ def test_the_sun_has_no_gap_and_no_step_where_it_is_continued():
 
 def test_a_standard_sun_gives_the_solar_constants_share_of_light():
     # About half of 1361 W m⁻² lies between 380 and 780 nm.
-    sun = preetham_air.solar_irradiance(preetham_air.PAPER_WAVELENGTHS)
-    assert 0.47 < np.trapezoid(sun, preetham_air.PAPER_WAVELENGTHS) / 1361 < 0.52
+    sun = preetham_air.solar_irradiance(PAPER_WAVELENGTHS)
+    assert 0.47 < np.trapezoid(sun, PAPER_WAVELENGTHS) / 1361 < 0.52
 
 
 @pytest.mark.parametrize("turbidity", TURBIDITIES)

@@ -12,7 +12,8 @@ import skyfit
 from skyfit import sun_irradiance, sun_xyY, sunlight
 from skyfit.colour import spectrum_to_xyY
 from skyfit.constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
-from skyfit.preetham_air import PAPER_WAVELENGTHS, table2
+from skyfit.preetham_air import table2
+from skyfit.spectrum import PAPER_WAVELENGTHS
 from skyfit.sun import light
 from skyfit.tables import read_table
 

@@ -1,6 +1,12 @@
 """Which skies to simulate: campaigns, their files, and the atmospheres that files describe.
 
-`skyfit.campaign.file` reads campaign files; it is imported apart, for it brings pydantic.
+Carrying a campaign out, and going on after an interruption, is `skyfit.dataset`'s.
+
+- `campaign`: a campaign; `checks`, `given`, `swept`: what it may be made of;
+- `directions`: the paper's suns and directions;
+- `description/`: atmospheres as numbers: gases, aerosols, profiles, suns;
+- `plain`: atmospheres as names and numbers for JSON, and back;
+- `file/`: campaign files; imported apart, for it brings pydantic.
 """
 
 from .campaign import GEOMETRIES as GEOMETRIES, SCHEMA as SCHEMA, Campaign as Campaign

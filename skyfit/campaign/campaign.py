@@ -10,7 +10,7 @@ import numpy as np
 
 from ..atmosphere import Atmosphere
 from ..errors import InputError
-from ..preetham_air import PAPER_WAVELENGTHS
+from ..spectrum import PAPER_WAVELENGTHS
 from ..transfer.quality import QUALITIES
 from .checks import axis_of, one_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep

@@ -22,7 +22,7 @@ for _room in (profile, phase):
         for one in vars(_room).values()
         if isinstance(one, type)
         and issubclass(one, eqx.Module)
-        and one.__module__ == _room.__name__
+        and one.__module__.startswith("skyfit.")
     ]
 
 

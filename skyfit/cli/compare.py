@@ -12,7 +12,7 @@ from skyfit.render.source_files import REFIT
 
 from .options import FILE, Number, as_json, settings
 from .output import print_json, print_table, progress
-from .place import in_degrees
+from .place import hint_at_radians
 
 
 @click.command()
@@ -20,7 +20,7 @@ from .place import in_degrees
     "--sun-zenith-deg",
     type=Number(0, 180),
     required=True,
-    callback=in_degrees,
+    callback=hint_at_radians,
     help="Zenith angle of the sun, in degrees.",
 )
 @click.option(

@@ -20,8 +20,8 @@ STILL = (
 DAY = "a day needs --latitude-deg and --day-of-year, or --to-sun-zenith-deg"
 
 
-def in_degrees(context: click.Context, parameter: click.Parameter, value: float | None):
-    """For `callback`: hint in one line where a zenith angle in degrees looks like radians."""
+def hint_at_radians(context: click.Context, parameter: click.Parameter, value: float | None):
+    """Callback of an option: say in one line where a zenith angle in degrees looks like radians."""
     if value is not None and 0 < value <= math.pi / 2:
         hint = f"in degrees; {value:g} rad is {np.degrees(value):.4g}"
         click.echo(f"skyfit: hint: {parameter.opts[0]} {value:g} is {hint}", err=True)

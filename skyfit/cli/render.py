@@ -13,7 +13,7 @@ from skyfit.render.terrain import check_samples
 from .interrupt import on_interrupt
 from .options import FILE, Number, as_json, overwrite, settings
 from .output import print_record, progress
-from .place import DAY, in_degrees, refuse_still, sun_of_still
+from .place import DAY, hint_at_radians, refuse_still, sun_of_still
 
 
 VIEWS = ("fisheye", "panorama", "perspective")
@@ -35,7 +35,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
 )
 @settings
 @click.option(
-    "--sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
+    "--sun-zenith-deg", type=Number(0, 180), callback=hint_at_radians,
     help="Zenith angle of the sun, in degrees; 45 if absent, or that of the one sky in SKY.",
 )  # fmt: skip
 @click.option(
@@ -100,7 +100,7 @@ VIEWS = ("fisheye", "panorama", "perspective")
     help="Day of the year of a solar time, or of a day's frames.",
 )
 @click.option(
-    "--to-sun-zenith-deg", type=Number(0, 180), callback=in_degrees,
+    "--to-sun-zenith-deg", type=Number(0, 180), callback=hint_at_radians,
     help="Zenith angle to which the sun moves from --sun-zenith-deg, for no day, in degrees.",
 )  # fmt: skip
 @click.option(

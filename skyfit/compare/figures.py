@@ -1,4 +1,4 @@
-"""What is said of each sky: a few luminances and chromaticities, and the light on the ground."""
+"""The numbers of each sky: a few luminances and chromaticities, and the light on the ground."""
 
 import math
 import warnings
@@ -23,7 +23,6 @@ VIEWS = {
     "opposite": (math.radians(45), math.pi),
     "horizon": (math.radians(85), math.pi / 2),
 }
-UNITS = {"luminance": "cd/m^2", "diffuse_illuminance": "lx", "x": "1", "y": "1"}
 
 
 def compare_skies(

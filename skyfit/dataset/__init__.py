@@ -6,6 +6,12 @@ Angles are in radians. Attributes describe the atmospheres and the versions that
 that it can be simulated or fitted again from the file alone. Where the error was estimated, the
 attribute `error_estimate` sums it up, and the variable of that name has it for every radiance if
 every sky was checked.
+
+- `runner`: `run_campaign`, which simulates what is not done yet;
+- `store`: a store that keeps every finished sky, by which the same campaign goes on;
+- `record`: what a dataset holds; `form`: what is refused of a stranger's;
+- `files`: `save_dataset` and `load_dataset`;
+- `measurements`, `aeronet`: measured skies and aerosols.
 """
 
 from .files import (

@@ -73,7 +73,7 @@ class Description:
     Attributes:
         functions: Functions in an order in which each calls only those before it; the last is
             `xyY_of_angles(cos_view, gamma, sun_zenith, *swept)`.
-        swept: Name of the swept parameter, if there is one.
+        swept: Names of the swept parameters.
         numbers: The formula's coefficients as data.
         formula: The formula as people write it.
         policy: What the formula gives outside of where it was made, in a sentence.

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from ..constants import SUN_ANGULAR_RADIUS
+from ..sun.light import limb_exponent
 from ..tables import read_table
 from .description import Function, Line, number, polynomial
 
 
-# Half of the exponent of `skyfit.sun.light.limb_darkening` at 550 nm
-_LIMB = (-0.023 + 0.292 / 0.55) / 2
+_LIMB = float(limb_exponent(550.0)) / 2  # of 1 - r², whose root is µ
 
 
 def sun_functions() -> tuple[Function, ...]:

@@ -1,8 +1,8 @@
 """The single-scattering ray marcher of Nishita et al. (1993), as a tutorial explains it.
 
-"Simulating the Colors of the Sky" marches 16 steps along each view and 8 towards the sun from each
-of them, through air and haze of exponential density on a sphere. `simulate(scs_atmosphere(), ...,
-orders=1)` is the same physics integrated to convergence.
+The tutorial, "Simulating the Colors of the Sky" (`scs` in names), marches 16 steps along each view
+and 8 towards the sun from each of them, through air and haze of exponential density on a sphere.
+`simulate(scs_atmosphere(), ..., orders=1)` is the same physics integrated to convergence.
 """
 
 from .air import MarchedAir as MarchedAir, scs_air as scs_air, scs_atmosphere as scs_atmosphere

@@ -19,11 +19,11 @@ from ..colour import rgb_to_xyz, spectrum_to_xyz, xyz_to_rgb, xyz_to_xyY
 from ..errors import InputError
 from ..phase import HenyeyGreenstein, Rayleigh
 from ..preetham_air import (
-    PAPER_WAVELENGTHS,
     haze_scattering,
     rayleigh_scattering,
     solar_irradiance,
 )
+from ..spectrum import PAPER_WAVELENGTHS
 from ..sun.light import air_mass
 from .base import AbstractSkyModel
 from .directions import align, angle_between, components

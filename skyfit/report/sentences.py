@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..colour import PAPER_CHANNELS
-from .claims import percent
+from .claims import RECOVERED, percent
 
 
 def notes(record: dict[str, Any]) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def _summary(record: dict[str, Any]) -> list[str]:
     return [
         f"The method is sound: on skies made from the published model the fit returns the "
         f"published coefficients within {worst:.0e}."
-        if worst <= 1e-9
+        if worst <= RECOVERED
         else f"The fit misses coefficients it should return exactly, by up to {worst:.0e}.",
         f"The formula, fitted anew, is {percent(shape['refit_vs_simulation'])} RMS from the "
         f"simulated shape of the luminance; the published coefficients are "

@@ -13,7 +13,8 @@ from .._typing import ArrayLike, as_float, as_wavelengths, check
 from ..angles import as_zenith
 from ..colour import spectrum_to_xyY
 from ..constants import SUN_ANGULAR_RADIUS, SUN_SOLID_ANGLE
-from ..preetham_air import OZONE_AMOUNT, PAPER_WAVELENGTHS, table2
+from ..preetham_air import OZONE_AMOUNT, table2
+from ..spectrum import PAPER_WAVELENGTHS
 
 
 WATER_VAPOUR = 0.02  # m of precipitable water; appendix A.1
@@ -117,6 +118,11 @@ def visible_fraction(sun_zenith: Float[Array, "*batch"]) -> Float[Array, "*batch
     return jnp.where(height >= 1, 1.0, jnp.where(height <= -1, 0.0, segment))
 
 
+def limb_exponent(wavelengths: Float[Array, "..."] | float) -> Float[Array, "..."] | float:
+    """Exponent α of the limb darkening µ^α at wavelengths [nm]; see `limb_darkening`."""
+    return -0.023 + 292.0 / wavelengths
+
+
 def limb_darkening(
     distance_from_centre: Float[Array, "*batch"], wavelengths: Float[Array, " wavelength"]
 ) -> Float[Array, "*batch wavelength"]:
@@ -132,7 +138,7 @@ def limb_darkening(
         distance_from_centre: r in radii, 0 to 1.
         wavelengths: Wavelengths of the result [nm].
     """
-    alpha = -0.023 + 292.0 / _last(wavelengths, distance_from_centre.ndim)
+    alpha = limb_exponent(_last(wavelengths, distance_from_centre.ndim))
     # Above 0, so that the derivative at the very limb is finite.
     square = jnp.maximum(1 - distance_from_centre**2, 1e-6)[..., None]
     return (1 + alpha / 2) * square ** (alpha / 2)

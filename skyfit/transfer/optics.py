@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..atmosphere import Atmosphere
-from ..phase import legendre_polynomials
+from ..legendre import legendre_polynomials
 
 
 class Optics(eqx.Module):

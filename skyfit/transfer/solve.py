@@ -19,16 +19,16 @@ T = TypeVar("T")
 
 _MEMORY = 5  # steps of which the best mixture is sought
 _MOST_STEPS = 200
-_LOST = 0.01  # change in the last step, relative; where it is larger there is no sum
+_LOST = 0.01  # residual, relative; where it is larger there is no sum
 
 
 def sum_of_orders(again: Callable[[Field], Field], first: Field, tolerance: float) -> Field:
-    """X = A (b + x): the light of all orders but the first, b.
+    """Sum x of A b + A² b + …: the light of all orders but the first, b.
 
     Args:
-        again: A, linear: the field of the next order.
-        first: b, no sharper than what A returns.
-        tolerance: Largest change in the last step, relative to the whole, at every wavelength.
+        again: Linear operator A: the field of the next order.
+        first: Field b, no sharper than what A returns.
+        tolerance: Largest residual of x = A (b + x), relative to x, at every wavelength.
 
     Returns:
         The sum; not a number at wavelengths at which it does not converge.

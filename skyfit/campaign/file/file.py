@@ -12,7 +12,8 @@ from pydantic import (
 )
 
 from ...errors import InputError
-from ...preetham_air import PAPER_WAVELENGTHS, TURBIDITY_MEANINGS
+from ...preetham_air import TURBIDITY_MEANINGS
+from ...spectrum import PAPER_WAVELENGTHS
 from ...transfer.quality import QUALITIES
 from ..campaign import GEOMETRIES, MOST_DIRECTIONS, MOST_ORDERS, SCHEMA, Campaign
 from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
