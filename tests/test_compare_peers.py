@@ -5,15 +5,18 @@ there), turbidity 2.53; that code puts the spectrum of another sun in place of t
 that absolute values differ by a factor of the wavelength alone.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from peers import peer
 
+from skyfit.colour import luminance
 from skyfit.compare import compare_skies
 from skyfit.compare.models import MODELS
 from skyfit.compare.peers import HosekWilkieSky
+from skyfit.report.reality import COMPARED, TURBIDITY, WAVELENGTHS, compare_with_cornell
 
 
 peer("mitsuba")
@@ -22,6 +25,7 @@ TABLE = np.genfromtxt(
     Path(__file__).parent / "reference" / "hosek_wilkie_skies.csv", delimiter=",", skip_header=1
 )
 SUN = np.radians(40.0)
+README = Path(__file__).parent.parent / "README.md"
 
 
 @pytest.mark.parametrize("wavelength", np.unique(TABLE[:, 0]))
@@ -64,3 +68,24 @@ def test_it_is_a_row_of_the_table():
     assert row["model"] == "Hosek–Wilkie 2012"
     assert row["outside"] == ["turbidity is valid from 1 to 10"]
     assert 3e3 < row["diffuse_illuminance"] < 1e5
+
+
+@pytest.mark.slow
+def test_the_readme_has_its_errors_on_the_measured_day():
+    reality = compare_with_cornell({})
+    shown = WAVELENGTHS[COMPARED]
+    inside = np.minimum(shown, 719.9)
+    sky = HosekWilkieSky(TURBIDITY)
+    found = np.stack([
+        sky.radiance(
+            float(one["sun_zenith"]), one["view_zenith"].values, one["relative_azimuth"].values,
+            inside,
+        )
+        for one in (reality.skies.isel(time=time) for time in range(8))
+    ])  # fmt: skip
+    measured = reality.measured[..., COMPARED]
+    rmse = 1e3 * np.sqrt(np.mean((found - measured) ** 2))
+    ratio = np.mean(luminance(found, shown)) / np.mean(luminance(measured, shown))
+    (row,) = re.findall(r"\| Hosek.*?\| (\d+), ([\d.]+) × \|", README.read_text())
+    assert rmse == pytest.approx(float(row[0]), rel=0.02)
+    assert ratio == pytest.approx(float(row[1]), rel=0.01)

@@ -1,7 +1,9 @@
 """Skies that are not formulas: simulated on few directions, recorded, seen from space; days."""
 
+import contextlib
 import json
 import math
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
@@ -28,6 +30,7 @@ from skyfit.render.cameras import direction_of
 from skyfit.render.dome_table import DomeTable, Zone, spokes
 
 
+SIMS = Path(__file__).parent.parent / "sims"
 GRID = (20, 13)
 SUN = 0.9
 
@@ -274,3 +277,16 @@ def test_mistakes_are_answered_with_one_line(tmp_path, monkeypatch, capsys, word
     assert message in error
     assert error.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("sun_deg", "warned"), [(30.0, False), (60.0, True), (10.0, True)])
+def test_a_formula_beyond_the_suns_it_was_fitted_to_is_warned_of(sun_deg, warned):
+    source = load_source(SIMS / "cornell_2013.fit.json", 2.53)  # suns of 21.8 to 48.9 degrees
+    said = pytest.warns(UserWarning, match="was fitted to suns 21.8 to 48.9 degrees")
+    with said if warned else contextlib.nullcontext():
+        render(source, Fisheye(8), np.radians(sun_deg))
+
+
+def test_the_published_night_is_part_of_the_model():
+    assert load_source(None).sun_range() == (0.0, np.pi)
+    render(load_source(None), Fisheye(8), np.radians(95.0))

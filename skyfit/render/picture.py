@@ -1,5 +1,6 @@
 """Render a sky: the public verb, and the picture it makes."""
 
+import warnings
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any
@@ -136,6 +137,9 @@ def render(
     Raises:
         InputError: An angle out of its range; a sun whose dimming is unknown; light that is not
             finite, or negative by more than rounding; a black sky under a risen sun.
+
+    Warns:
+        UserWarning: A formula continues beyond the suns it was fitted to.
     """
     if not 0 <= sun_zenith <= np.pi:
         raise InputError(f"render(sun_zenith=...): expected 0 to pi rad; got {sun_zenith:.6g}")
@@ -145,6 +149,7 @@ def render(
     albedo = source.ground_albedo if ground_albedo is None else ground_albedo
     if not 0 <= albedo <= 1:
         raise InputError(f"render(ground_albedo=...): expected 0 to 1; got {albedo:.6g}")
+    _warn_of_sun(source, sun_zenith)
     rays = camera.rays()
     direction = rays.direction.reshape(-1, 3)
     light = np.array(source.xyz(direction, sun_zenith, sun_azimuth), np.float32)
@@ -169,6 +174,17 @@ def render(
     picture = Picture(rgb, rays.inside, weight, camera, text)
     refuse_black_day(source, sun_zenith, rgb, (weight > 0) & (rays.direction[..., 2] > 0))
     return picture
+
+
+def _warn_of_sun(source: AbstractSource, sun_zenith: float) -> None:
+    low, high = source.sun_range()
+    if not low - 1e-4 <= sun_zenith <= high + 1e-4:
+        suns = f"{np.degrees(low):.3g} to {np.degrees(high):.3g} degrees"
+        warnings.warn(
+            f"render: {source.name} was fitted to suns {suns} from the zenith; beyond, its formula "
+            "goes on, and nothing says how well",
+            stacklevel=3,
+        )
 
 
 def ground_xyz(

@@ -57,6 +57,10 @@ class AbstractSource(abc.ABC):
         """Sine of the horizon's elevation."""
         return 0.0
 
+    def sun_range(self) -> tuple[float, float]:
+        """Zenith angles of the suns that the sky was made for [rad]."""
+        return 0.0, np.pi
+
     def identity(self) -> Any:
         """All that this sky is made of: numbers, words, arrays, skyfit's models; None by itself.
 
@@ -84,6 +88,14 @@ class ModelSource(AbstractSource):
 
     def sun_xyz(self, sun_zenith):  # noqa: D102
         return sun_through_haze(self.name, self.turbidity, sun_zenith)
+
+    def sun_range(self):
+        """Zenith angles of the suns that the sky was made for [rad].
+
+        How a sky dims at night is the same for all models that are made for the whole day.
+        """
+        low, high = self.model.valid_range["sun_zenith"]
+        return low, (np.pi if high >= np.pi / 2 - 1e-6 else high)
 
     def identity(self) -> Any:  # noqa: D102
         return self.model, self.turbidity
