@@ -50,7 +50,7 @@ HAZE = (
         (AIR + '[ground]\nalbedo = {csv = ".", column = "a"}', "expected a file; this is a folder"),
         (AIR + '[ground]\nalbedo = {csv = "../a.csv", column = "a"}',
          "csv: expected a file beside the campaign's, or its whole name; got '../a.csv'"),
-        (AIR + '[ground]\nalbedo = {csv = "a.csv", column = "b"}', "column b: expected numbers"),
+        (AIR + '[ground]\nalbedo = {csv = "a.csv", column = "b"}', "column b: expected a number"),
         (AIR + '[sweep]\nkey = "ground.scale"\nvalues = [0, 1]\nname = "lambda"', "lambda is"),
         (AIR + '[sweep]\nkey = "ground.scale"\nvalues = [0, 1]\nname = "path"', "path is taken"),
     ],

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import skyfit
 from skyfit.campaign import paper_directions
 from skyfit.colour import luminance, xyY_to_xyz
 from skyfit.dataset.measurements import cornell_skies
