@@ -58,4 +58,6 @@ def test_it_runs(path, monkeypatch):
     NotebookClient(notebook, timeout=900, kernel_name="python3", resources=place).execute()
     shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert shown
-    assert not [one.text for one in shown if "Warning" in one.get("text", "")]
+    warned = [one.text for one in shown if "Warning" in one.get("text", "")]
+    # What the paper's own zenith does in hazy air is said, and explained, where it happens.
+    assert not [text for text in warned if "the fitted zenith is black" not in text]
