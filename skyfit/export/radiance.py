@@ -12,8 +12,8 @@ from ..colour import xyY_to_xyz
 from ..constants import SUN_ANGULAR_RADIUS
 from ..models.formula import FormulaSky
 from ..sun.light import sun_xyY, visible_fraction
-from .description import Description, Function, Line, frame_fields
-from .dialect import AbstractDialect
+from .description import Description, Line, frame_fields
+from .dialect import Expressions
 from .frame import framed
 from .straight import Straight
 
@@ -25,10 +25,8 @@ _LUMENS_PER_WATT = 179.0
 _LEAST_EXPONENT = "-700"  # `exp` complains of less
 
 
-class Calc(AbstractDialect):
+class Calc(Expressions):
     """Radiance's function files: definitions of names, evaluated where they are needed."""
-
-    end = ";"
 
     def opening(self, heading: list[str]) -> str:
         """The comment at the top, in braces, which it may not have itself."""
@@ -67,12 +65,6 @@ class Calc(AbstractDialect):
     def number(self, value: float) -> str:
         """A number."""
         return f"{value:.12g}"
-
-    def signature(self, function: Function) -> str:
-        """Functions are written out."""
-        raise NotImplementedError
-
-    declaration = vector = frame = signature  # type: ignore[assignment]
 
 
 def function_file(description: Description, name: str, heading: list[str]) -> str:

@@ -1,5 +1,6 @@
 """From a sky dataset to a sky model: `fit_sky`."""
 
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,7 +34,7 @@ from .diagnostics import (
 from .document import plain
 from .positivity import positivity
 from .record import Notes, SkyFit, TwoStage
-from .scales import fit_scale, warn_of_early_night
+from .scales import early_night, fit_scale
 from .skies import Residuals, Skies, Weights
 from .targets import terms_of
 
@@ -99,7 +100,8 @@ def fit_sky(
     settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
     formula = chosen_formula(distribution, dependence, zenith=zenith)
     fit = fit_formula(read_channels(data, channels), formula, settings, provenance=data.attrs)
-    warn_of_early_night(fit)
+    if (said := early_night(fit)) is not None:
+        warnings.warn(f"fit_sky: {said}", stacklevel=2)
     return fit
 
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import warnings
 from dataclasses import asdict
 from datetime import UTC, datetime
 from os import PathLike
@@ -17,7 +16,10 @@ from ..colour import PAPER_CHANNELS
 from ..dataset import save_dataset
 from ..dataset.runner import run_campaign
 from ..errors import InputError
-from ..fitting import SkyFit, fit_sky
+from ..fitting import SkyFit
+from ..fitting.channels import read_channels
+from ..fitting.fit import fit_formula
+from ..fitting.scales import early_night
 from ..judging import recovery_error, shape_error
 from ..models import preetham_sky
 from ..plots import style
@@ -75,9 +77,7 @@ def reproduce(
         dataset = run_campaign(plan, tell, workers=workers)
     with clock.stage("fit"):
         tell("fitting", 0, 2)
-        with warnings.catch_warnings(record=True) as warned:  # said in the report
-            warnings.simplefilter("always")
-            fit = fit_sky(dataset)
+        fit = fit_formula(read_channels(dataset, "Yxy"), provenance=dataset.attrs)
         tell("fitting", 1, 2)
         tristimulus = tristimulus_comparison(dataset, fit)
         shapes = _shape_errors(dataset, fit)
@@ -114,7 +114,7 @@ def reproduce(
             **_zenith_differences(dataset),
             "cornell": reality.record(),
             "simplifications": shortcuts,
-            "fit": _fit_record(fit) | {"warnings": [str(one.message) for one in warned]},
+            "fit": _fit_record(fit),
             "campaign": plan.to_dict(),
             "versions": versions(),
             "made": {
@@ -177,6 +177,7 @@ def _fit_record(fit: SkyFit) -> dict[str, Any]:
     stages = fit.two_stage or {}
     return {
         "settings": fit.settings,
+        "early_night": early_night(fit),
         "diagnostics": {name: asdict(found) for name, found in fit.diagnostics.items()},
         "two_stage_rms": {name: stage.rms for name, stage in stages.items()},
     }

@@ -81,9 +81,11 @@ def _fit_notes(fit: dict[str, Any]) -> str:
     if fit["two_stage_rms"]:
         rms = ", ".join(f"{name} {percent(value)}" for name, value in fit["two_stage_rms"].items())
         text += f". Fitted turbidity by turbidity with a line drawn through afterwards: {rms} RMS"
+    if fit["early_night"]:
+        text += f". As in the paper, the zenith ends early: {fit['early_night']}"
     return (
-        f"{'. '.join([text, *fit['warnings']])}. Standard errors treat the misfit in each "
-        "direction as independent, which it is not: true uncertainties are larger."
+        f"{text}. Standard errors treat the misfit in each direction as independent, which it is "
+        "not: true uncertainties are larger."
     )
 
 

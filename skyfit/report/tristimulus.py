@@ -4,7 +4,9 @@ import numpy as np
 import xarray as xr
 
 from .._typing import as_float
-from ..fitting import SkyFit, fit_sky
+from ..fitting import SkyFit
+from ..fitting.channels import read_channels
+from ..fitting.fit import fit_formula
 from ..judging import shape_error
 
 
@@ -25,7 +27,7 @@ def tristimulus_comparison(dataset: xr.Dataset, fit: SkyFit) -> dict[str, dict[s
         "X": dataset.assign(luminance=x / y * luminance),
         "Z": dataset.assign(luminance=(1 - x - y) / y * luminance),
     }
-    fits = {name: fit_sky(one) for name, one in skies.items()}
+    fits = {name: fit_formula(read_channels(one, "Yxy")) for name, one in skies.items()}
     errors = {name: shape_error(fits[name], skies[name])["Y"] for name in fits}
 
     def rebuilt(one: SkyFit, name: str, channel: int, sky: xr.Dataset) -> np.ndarray:
