@@ -9,7 +9,7 @@ import skyfit
 
 
 ORDER = [
-    "errors", "_files", "_progress", "_typing",                         # what everything needs
+    "errors", "_files", "_progress", "_schema", "_typing",              # what everything needs
     "constants", "tables", "provenance",                      # numbers
     "spectrum", "colour", "angles",                           # light and directions
     "legendre", "phase_tables", "phase", "profile", "bands",              # what skies are made of

@@ -57,7 +57,7 @@ def changed(place, value):
         ("nodes", ("linked",), "yes", "linked: expected a boolean; got 'yes'"),
         ("1", ("kind",), "RGB", "expected .*'R', 'G', 'B'.*; got x, y, Y"),
         ("1", ("scale", "kind"), "logarithm", "key 'basis' is missing"),
-        ("1", ("distribution", "name"), "hosek", "expected one of perez, cie, hosek-wilkie"),
+        ("1", ("distribution", "name"), "hosek", "expected 'perez', 'cie', 'hosek-wilkie' or"),
         ("1", ("basis", 0, "high"), -5.0, "expected low, high; got 2, -5"),
     ],
 )  # fmt: skip

@@ -52,7 +52,8 @@ def sun_of_still(options: dict[str, Any]) -> tuple[float, float] | None:
         try:
             sun = skyfit.sun_at(at, north, np.radians(options["longitude_deg"]))
         except skyfit.InputError as error:
-            raise click.UsageError(f"--time: {str(error).removeprefix('times: ')}") from None
+            said = str(error).removeprefix("times: ").replace(", or time_zone=...", "")
+            raise click.UsageError(f"--time: {said}") from None
     else:
         clock = _clock(at) - _ahead(options["day_of_year"])
         sun = skyfit.sun_position(north, 0.0, options["day_of_year"], clock, 0.0)

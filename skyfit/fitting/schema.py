@@ -1,6 +1,5 @@
 """What a fit file may say: names, shapes and ranges, checked before any number is used."""
 
-import itertools
 import math
 from os import PathLike
 from typing import Annotated, Any, Literal
@@ -16,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from .._schema import increasing, one_of
 from ..errors import InputError
 from ..models.basis import FUNCTIONS, SUN
 from ..models.domes import DISTRIBUTIONS
@@ -24,12 +24,6 @@ from ..models.formula import CHANNEL_KINDS
 
 _MOST_TERMS = 100_000  # of one coefficient; a fit of skyfit's has some hundred at most
 _MOST_DEGREE = 40
-
-
-def _increasing(values: list[float]) -> list[float]:
-    if any(after <= before for before, after in itertools.pairwise(values)):
-        raise InputError("expected increasing values")
-    return values
 
 
 def _low_to_high(ends: tuple[float, float]) -> tuple[float, float]:
@@ -55,15 +49,6 @@ def _numbers(value: Any) -> Any:
     return value
 
 
-def _one_of(*choices: str) -> AfterValidator:
-    def checked(word: str) -> str:
-        if word not in choices:
-            raise InputError(f"expected one of {', '.join(choices)}; got {word!r}")
-        return word
-
-    return AfterValidator(checked)
-
-
 # No number of a formula of the sky is near to what overflows when it is squared.
 Finite = Annotated[float, Field(ge=-1e30, le=1e30, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -85,9 +70,7 @@ class _Part(BaseModel):
 class _Tents(_Part):
     quantity: Name
     kind: Literal["tents"]
-    nodes: Annotated[
-        list[Finite], Field(min_length=1, max_length=1000), AfterValidator(_increasing)
-    ]
+    nodes: Annotated[list[Finite], Field(min_length=1, max_length=1000), AfterValidator(increasing)]
 
     @property
     def size(self) -> int:
@@ -112,7 +95,7 @@ class _Line(_Ends):
 
 class _Chebyshev(_Ends):
     kind: Literal["chebyshev"]
-    of: Annotated[str, _one_of(*FUNCTIONS)]
+    of: Annotated[str, one_of(*FUNCTIONS)]
     degree: Annotated[int, Field(ge=0, le=_MOST_DEGREE)]
 
     @property
@@ -143,7 +126,7 @@ class _Series(_Part):
 
 
 class _Distribution(_Part):
-    name: Annotated[str, _one_of(*DISTRIBUTIONS)]
+    name: Annotated[str, one_of(*DISTRIBUTIONS)]
     fixed: _Series | None = None
 
 
@@ -163,10 +146,10 @@ class _Logarithm(_Part):
 
 
 class _Formula(_Part):
-    kind: Annotated[str, _one_of(*CHANNEL_KINDS, "bands")]
+    kind: Annotated[str, one_of(*CHANNEL_KINDS, "bands")]
     channels: Annotated[list[Name], Field(min_length=1, max_length=1000)]
     wavelengths: (
-        Annotated[list[Annotated[float, Field(ge=100, le=1e5)]], AfterValidator(_increasing)] | None
+        Annotated[list[Annotated[float, Field(ge=100, le=1e5)]], AfterValidator(increasing)] | None
     )
     ranges: dict[Name, Pair]
     sun_zenith_range: Suns

@@ -11,6 +11,7 @@ from pydantic import (
     model_validator,
 )
 
+from ..._schema import one_of
 from ...errors import InputError
 from ...preetham_air import TURBIDITY_MEANINGS
 from ...spectrum import PAPER_WAVELENGTHS
@@ -27,7 +28,7 @@ from ..directions import (
 )
 from ..swept import is_taken
 from .aerosols import Constituent
-from .numbers import Increasing, Number, Numbers, ZeroOrMore, one_of
+from .numbers import Increasing, Number, Numbers, ZeroOrMore
 from .parts import Ground, Name, Planet, Sun
 from .section import Section
 

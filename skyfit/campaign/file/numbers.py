@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from ..._schema import increasing
 from ...errors import InputError
 from ...tables import read_columns
 
@@ -67,33 +68,6 @@ def is_number(value: Any) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return -1e300 < value < 1e300
-
-
-def _finite(text: str) -> float:
-    number = float(text)
-    if not is_number(number):
-        raise InputError(f"expected numbers; got {text}")
-    return number
-
-
-def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
-    """Refuse values that do not increase."""
-    for before, after in itertools.pairwise(values):
-        if after <= before:
-            raise InputError(f"expected increasing values; got {before:g} before {after:g}")
-    return values
-
-
-def one_of(*choices: str) -> BeforeValidator:
-    """For an annotation: one of several words."""
-    *most, last = map(repr, choices)
-
-    def validate(given: Any) -> Any:
-        if given not in choices:
-            raise InputError(f"expected {', '.join(most)} or {last}; got {given!r}")
-        return given
-
-    return BeforeValidator(validate)
 
 
 Numbers = BeforeValidator(expand)
