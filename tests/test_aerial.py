@@ -171,6 +171,7 @@ def test_a_turbidity_brings_the_papers_scale_heights():
     np.testing.assert_allclose(model.layers.extinction, air.extinction)
 
 
+@pytest.mark.slow
 @pytest.mark.float64
 def test_other_profiles_are_replaced_by_exponentials_of_the_same_column():
     air = skyfit.preetham_atmosphere(3.0, wavelengths=[550.0], ozone=True)

@@ -139,6 +139,7 @@ def sunlight_on_the_ground(air, sun, _):
 SUN_ZENITHS = np.radians([0.0, 60.0, 75.0, 85.0, 89.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun", SUN_ZENITHS)
 @pytest.mark.parametrize("through", [disc_radiance, sunlight_on_the_ground])
 def test_direct_sunlight_is_dimmed_as_bird_and_riordan_say(sun, through):
@@ -355,6 +356,7 @@ def test_an_atmosphere_refuses_bands_that_do_not_fit():
         atmosphere(vapour(), other)
 
 
+@pytest.mark.slow
 def test_bands_have_no_one_coefficient():
     with pytest.raises(ValueError, match="absorbs in bands, which have no one coefficient"):
         _ = atmosphere(vapour()).extinction

@@ -56,6 +56,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(runner, "simulate", stand_in)
 
 
+@pytest.mark.slow
 def test_skies_of_an_atmosphere_are_those_of_the_simulator():
     air = dusty(0.2)
     skies = skyfit.run_campaign(skyfit.Campaign(atmosphere=air, **FEW))
@@ -189,12 +190,14 @@ def test_a_campaign_of_traced_numbers_is_refused():
         jax.grad(skies)(0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", SIMS, ids=lambda path: path.stem)
 def test_every_shipped_atmosphere_comes_back_from_names_and_numbers(path):
     air = skyfit.load_atmosphere(path)
     assert eqx.tree_equal(from_plain(json.loads(json.dumps(to_plain(air)))), air)
 
 
+@pytest.mark.slow
 def test_bands_and_refraction_come_back_too():
     vapour = skyfit.water_vapour(LAM, 0.02)
     bent = skyfit.Refraction(2.8e-4, skyfit.profile.StandardAtmosphere())

@@ -219,6 +219,7 @@ def test_without_a_command_the_help_is_printed_whole(capsys):
     assert all(f"\n  {name} " in printed for name in cli.commands.commands)
 
 
+@pytest.mark.slow
 def test_the_package_runs_as_a_module():
     run = subprocess.run(
         [sys.executable, "-m", "skyfit", "--version"], capture_output=True, text=True, check=True

@@ -190,6 +190,7 @@ DEAF = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("work", DEAF)
 def test_an_interruption_ends_the_process_within_two_seconds(work):
     words = f"""

@@ -38,6 +38,7 @@ def kept(directory, arguments, **environment):
     return int(run.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 def test_programs_are_kept_in_the_users_cache_unless_told_not_to(tmp_path):
     export = ["export", "published", "--format", "c"]
     command = [*export, "--out", str(tmp_path / "a.c")]
@@ -47,6 +48,7 @@ def test_programs_are_kept_in_the_users_cache_unless_told_not_to(tmp_path):
     assert kept(tmp_path / "other", left_out) == 0
 
 
+@pytest.mark.slow
 def test_a_directory_of_the_users_own_is_left_alone(tmp_path):
     own = tmp_path / "own"
     command = ["export", "published", "--format", "c", "--out", str(tmp_path / "a.c")]
@@ -54,6 +56,7 @@ def test_a_directory_of_the_users_own_is_left_alone(tmp_path):
     assert list(own.glob("*-cache"))
 
 
+@pytest.mark.slow
 def test_a_home_that_cannot_be_written_costs_nothing_but_time(tmp_path):
     (tmp_path / "skyfit").write_text("in the way of the directory")
     command = ["export", "published", "--format", "c", "--out", str(tmp_path / "a.c")]

@@ -100,6 +100,7 @@ def test_black_is_black_and_has_finite_gradients():
     assert np.all(np.isfinite(jax.jacrev(xyY_to_xyz)(jnp.zeros(3))))
 
 
+@pytest.mark.slow
 @pytest.mark.float64
 @pytest.mark.parametrize("colour", COLOURS[:2])
 def test_daylight_spectra_have_the_luminance_and_chromaticity_asked_for(colour):

@@ -50,6 +50,7 @@ def stop_after(skies):
     return progress
 
 
+@pytest.mark.slow
 def test_a_record_names_its_dimensions_units_and_makers(calls):
     record = skyfit.run_campaign(SMALL)
     assert record["radiance"].dims == ("turbidity", "sun_zenith", "direction", "wavelength")
@@ -65,6 +66,7 @@ def test_a_record_names_its_dimensions_units_and_makers(calls):
     assert atmospheres[0]["constituents"][1]["phase"]["type"] == "Tabulated"
 
 
+@pytest.mark.slow
 def test_luminance_of_a_record_is_its_radiance_weighed_by_the_eye(calls):
     # At 555 nm the eye's weight is 1 (CIE 1931 tabulates 1.0000): a spectrum that is a triangle of
     # 2 nm around it, of height L, has the luminance 683 L nm, but for the curvature of the weight.
@@ -120,6 +122,7 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(calls, tmp_path, worke
     xr.testing.assert_identical(skyfit.load_dataset(store), resumed)
 
 
+@pytest.mark.slow
 @pytest.mark.float64
 @pytest.mark.parametrize(("workers", "suns_per_call"), [(1, 2), (2, 1), (2, 3), (3, 2)])
 def test_how_the_work_is_cut_does_not_change_the_skies(calls, workers, suns_per_call):

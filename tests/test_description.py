@@ -296,6 +296,7 @@ def test_size_distributions_have_the_effective_radius_of_their_formulas(size, ef
     np.testing.assert_allclose(found, 1e-9 * effective, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_a_mie_aerosol_in_a_file_has_its_optical_depth_and_conserves_light(tmp_path):
     dust = (
         '[[constituents]]\nname = "dust"\nkind = "mie_aerosol"\noptical_depth = 0.3\n'
@@ -356,6 +357,7 @@ PHASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", PHASES.values(), ids=PHASES)
 def test_a_phase_function_may_differ_by_wavelength(phase, tmp_path):
     (tmp_path / "phase.csv").write_text("angle_deg,blue,red\n0,4,30\n90,1,10\n180,2,10\n")

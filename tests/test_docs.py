@@ -78,6 +78,7 @@ def test_every_public_name_is_in_the_reference():
     assert set(skyfit._MODULES) <= modules
 
 
+@pytest.mark.slow
 def test_the_places_that_contributors_are_sent_to_exist():
     root = DOCS.parent
     text = (root / "CONTRIBUTING.md").read_text()

@@ -109,6 +109,7 @@ def test_the_sample_is_the_ends_of_the_sweep_under_high_middle_and_low_suns():
     assert sampled_skies(one).tolist() == [[True]]
 
 
+@pytest.mark.slow
 def test_the_worst_is_named_by_its_place(simulator, monkeypatch):
     def off_at_one_place(**given):
         light = np.array(stand_in(**given).radiance)
@@ -161,6 +162,7 @@ def test_a_finished_store_gains_an_estimate_and_keeps_it(simulator, tmp_path, na
     xr.testing.assert_allclose(skyfit.load_dataset(store).drop_vars("error_estimate"), plain)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_interrupted_estimate_goes_on_where_it_stopped(simulator, tmp_path, workers):
     store, seen = tmp_path / "sky.zarr", []
@@ -187,6 +189,7 @@ def test_an_interrupted_estimate_goes_on_where_it_stopped(simulator, tmp_path, w
     assert estimate_of(record).checked == 12
 
 
+@pytest.mark.slow
 def test_a_record_without_a_sweep_has_an_estimate_too(simulator, tmp_path):
     file = tmp_path / "plain.toml"
     constituents = '[[constituents]]\nname = "air"\nkind = "air"\n'

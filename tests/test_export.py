@@ -204,6 +204,7 @@ def test_json_has_the_numbers_of_the_fit(fit):
     np.testing.assert_array_equal(document["zenith"]["Y"]["angle"], fit.zenith["Y"]["angle"])
 
 
+@pytest.mark.slow
 def test_every_language_says_where_the_numbers_are_from(fit):
     for language in (*FORMATS, *TARGETS):
         code = export_fit(fit, language)

@@ -75,6 +75,7 @@ def test_other_languages_have_the_models_colours(language, tmp_path):
     assert found < (1e-4 if language == "hlsl" else 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "basis"), list(itertools.product(DISTRIBUTIONS, BASES)))
 def test_every_formula_is_taken_by_glslang(shape, basis, tmp_path):
     code = export_fit(sky(shape, basis, "XYZ"), "glsl")
@@ -99,6 +100,7 @@ def test_nothing_breaks_at_the_horizon_at_the_sun_and_at_night(shape, basis, kin
     np.testing.assert_allclose(grid[:, 3], grid[:, 5], atol=2e-3 * size)
 
 
+@pytest.mark.slow
 def test_a_formula_of_one_sky_takes_no_parameter(tmp_path):
     basis = Basis((Chebyshev("sun_zenith", (0.1, 1.4), 2),))
     model = sky_of(distribution_from({"name": "cie"}), basis)

@@ -21,6 +21,7 @@ from skyfit.sun.light import air_mass, visible_fraction
 from skyfit.tables import read_table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_a_frame_made_before_gives_the_sky_and_what_a_screen_shows_of_it(language, tmp_path):
     data = random_rows(5, 2000, deepest_sun=89.0)

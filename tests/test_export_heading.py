@@ -53,6 +53,7 @@ def test_a_docstring_holds_any_words_of_a_file(words, tmp_path):
     assert worst(got, expected(fit.sky(turbidity=np.clip(data[:, 9], 2.0, 6.0)), data)) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", [one for one in LANGUAGES if one != "python"])
 def test_comments_hold_any_words_of_a_file(language, tmp_path):
     fit = of_a_stranger("\n".join(WORDS))
@@ -65,6 +66,7 @@ def test_comments_hold_any_words_of_a_file(language, tmp_path):
         assert code.count("\n") == export_fit(of_a_stranger("plain"), language).count("\n")
 
 
+@pytest.mark.slow
 def test_glslang_takes_any_words_of_a_file(tmp_path):
     main = "layout(location = 0) out vec4 colour;\nvoid main() { colour = vec4(1); }"
     for words in WORDS:

@@ -30,6 +30,7 @@ def renamed(name):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TAKEN + NO_NAMES)
 def test_a_parameter_of_any_name_is_the_same_sky_in_python(name, tmp_path):
     data = random_rows(3, 500)

@@ -57,6 +57,7 @@ def dome(model, sun):
     return np.asarray(model.xyz(direction_of(*PATCHES.T), direction_of(*sun)))[:, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun_deg", [(50.0, 200.0), (0.0, 0.0), (89.0, 75.0), (94.0, 310.0)])
 @pytest.mark.parametrize("turbidity", [2.0, 6.0])
 def test_the_patches_of_the_dome_are_the_models(sun_deg, turbidity, tmp_path):
@@ -69,6 +70,7 @@ def test_the_patches_of_the_dome_are_the_models(sun_deg, turbidity, tmp_path):
     np.testing.assert_allclose(found[~near], dome(model, sun)[~near], rtol=2e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [("hosek-wilkie", "root", "RGB"), ("series", "polynomial", "bands")]
 )

@@ -91,6 +91,7 @@ def fragment(code):
     return f"#version 300 es\nprecision highp float;\nout vec4 seen;\n{text}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SKIES)
 @pytest.mark.parametrize(
     ("target", "completed", "options"),
@@ -118,6 +119,7 @@ def test_godots_functions_have_the_models_colours(tmp_path):
     assert worst(got, expected(at_turbidity(data), data)) < 1e-5
 
 
+@pytest.mark.slow
 def test_unreals_lines_have_the_models_colours_and_the_suns(tmp_path):
     """The node beside the exported GLSL, whose functions stand in for the others of the program."""
     code = export_fit(PUBLISHED, "unreal")

@@ -82,6 +82,7 @@ def test_one_value_of_the_parameter_allows_no_slope():
     np.testing.assert_array_equal(NAMED["linear"].from_fitted(skies), [[1.0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dependence", ["linear", "polynomial"])
 def test_normal_equations_in_closed_form_are_those_of_the_jacobian(dependence):
     import jax

@@ -146,6 +146,7 @@ def over_two():
     return xr.concat(parts, xr.DataArray(covers, dims="cover", name="cover"))
 
 
+@pytest.mark.slow
 def test_a_fit_over_two_parameters_has_a_plane_of_coefficients(over_two, tmp_path):
     fit = fit_sky(over_two)
     assert fit.swept == {"cover": (0.0, 0.5), "turbidity": (2.0, 6.0)}
@@ -196,6 +197,7 @@ def test_an_exported_sky_takes_both_parameters(over_two, tmp_path):
     np.testing.assert_allclose(np.stack(got, -1), sky.xyY(0.9, 0.7, azimuth), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_fit_is_a_pytree_of_its_numbers(skies):
     fit = fit_sky(skies)
 
@@ -278,6 +280,7 @@ def test_a_broken_file_of_the_second_schema_is_refused_by_name_and_key(tmp_path)
         assert str(error.value).startswith(str(path))
 
 
+@pytest.mark.slow
 def test_bands_may_be_given_as_an_array():
     lam = np.arange(400.0, 701.0, 50.0)
     one = model_skies(turbidities=(3.0,)).isel(turbidity=0, drop=True)

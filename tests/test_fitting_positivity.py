@@ -65,6 +65,7 @@ def test_the_published_model_is_sound_where_it_is_held():
     assert found.locus_margin == pytest.approx(0.035, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_sky_that_goes_wrong_at_one_place_is_found_there():
     class Sky:
         swept = {}  # noqa: RUF012

@@ -304,11 +304,13 @@ def dusk():
     return data.assign(luminance=data["luminance"] * factor[..., None])
 
 
+@pytest.mark.slow
 def test_a_zenith_that_turns_black_before_sunset_is_warned_of():
     with pytest.warns(UserWarning, match=r"black at turbidity 6 with the sun 85\.5 degrees"):
         fit_sky(dusk())
 
 
+@pytest.mark.slow
 def test_a_logarithm_keeps_the_zenith_bright_until_sunset_and_falls_in_twilight(tmp_path):
     fit = fit_sky(dusk(), zenith="logarithm")
     fit.save(tmp_path / "fit.json")
@@ -322,6 +324,7 @@ def test_a_logarithm_keeps_the_zenith_bright_until_sunset_and_falls_in_twilight(
     assert zenith[4] / zenith[3] == pytest.approx(10 ** (-6 / 2.5), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", ["equal", "solid angle"])
 def test_patches_without_a_value_are_left_out(exact, weights):
     # Every fifth patch, the zenith of one sky among them, and one without an angle.

@@ -30,6 +30,7 @@ def solve(problem, starts, first):
     return solve_from_starts(problem, np.stack(starts), first=first, rtol=1e-10, max_steps=64)
 
 
+@pytest.mark.slow
 def test_starts_that_agree_are_enough(problem):
     near = [free(problem, TRUTH * factor) for factor in (0.95, 1.05, 1.0)]
     best, used = solve(problem, near, 2)

@@ -9,6 +9,7 @@ from skyfit.judging import compare_weights
 from skyfit.models.preetham import published_coefficients
 
 
+@pytest.mark.slow
 def test_perfect_skies_have_the_same_coefficients_by_any_weights():
     published = published_coefficients()
     for weighting in compare_weights(model_skies()).values():

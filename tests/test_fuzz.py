@@ -3,8 +3,10 @@
 import warnings
 
 import fuzz_files
+import pytest
 
 
+@pytest.mark.slow
 def test_malformed_files_and_command_lines_are_answered_with_one_line(monkeypatch):
     from skyfit.dataset import runner
 

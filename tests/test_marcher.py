@@ -215,6 +215,7 @@ def test_heights_keep_their_digits_in_single_precision(float32):
     assert light.dtype == jnp.float32
 
 
+@pytest.mark.slow
 def test_light_in_single_precision_is_that_in_double(air):
     views = rays([0.0, 60.0, 89.0])
     exact, _ = marcher.march(air, EYE, views, TOWARD)

@@ -56,6 +56,7 @@ def test_a_scan_of_145_patches_is_a_sky(tmp_path, zero):
     )
 
 
+@pytest.mark.slow
 def test_a_scan_with_gaps_is_fitted_lights_planes_and_is_shown(tmp_path):
     sky = skyfit.read_sky_scanner(scan(tmp_path / "a.csv", gaps=range(5, 145, 9)), SUN, unit=1e3)
     # The CIE's clear sky is of the CIE's form.
@@ -97,6 +98,7 @@ def picture():
 LOOKS = [{"projection": "equidistant"}, {"projection": "equal-area", "top": 1.0}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["exr", "hdr"])
 @pytest.mark.parametrize("look", LOOKS)
 def test_a_fisheye_picture_is_the_sky_it_shows(picture, kind, look, tmp_path):
@@ -148,6 +150,7 @@ def test_packed_scan_lines_of_radiance_are_unpacked(tmp_path):
     assert white == 179.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [

@@ -100,6 +100,7 @@ def test_an_odd_dome_gives_the_ground_its_light(elevation, direct, diffuse, row)
     assert dome.light[..., 1].max() < 20 * diffuse * want / np.pi
 
 
+@pytest.mark.slow
 def test_no_irradiance_turns_most_of_a_dome_black():
     zenith, clearness, brightness = (
         jnp.asarray(axis.ravel())

@@ -52,6 +52,7 @@ def test_the_sky_is_what_marching_through_both_shells_gives(model, view_degrees)
     np.testing.assert_allclose(sky, marched, rtol=1e-3)  # the shells' edge is within half a step
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", [-1.0, -3.0, -10.0, -30.0])
 def test_the_g_of_table_1_is_none_of_a_phase_function(g):
     # With these g the mended function integrates to sign(1 - |g|) or vanishes, and is largest

@@ -172,6 +172,7 @@ def test_rgb_and_radiance_have_the_colour_of_xyY():
     np.testing.assert_allclose(back, colour, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_arguments_broadcast_and_turbidities_too():
     many = preetham_sky(np.array([2.0, 3.0, 4.0])[:, None])
     got = many.xyY(np.linspace(0, 1, 5), 0.5, 0.2)
@@ -197,6 +198,7 @@ def test_a_model_maps_over_turbidity():
     np.testing.assert_allclose(mapped[1], MODEL.xyY(SUN, 0.5, 0.2)[2], rtol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("float32")
 def test_the_model_works_in_a_float32_program():
     model = preetham_sky(3.0)

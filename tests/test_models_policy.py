@@ -59,6 +59,7 @@ def test_the_table_has_formulas():
     assert len(FORMULAS) >= 4
 
 
+@pytest.mark.slow
 @EACH
 def test_light_is_never_negative_nor_nan_by_day_and_night(name):
     sun = np.radians([0.0, 30.0, 60.0, 85.0, 89.9, 90.1, 93.0, 110.0, 180.0])[:, None, None]
@@ -68,6 +69,7 @@ def test_light_is_never_negative_nor_nan_by_day_and_night(name):
     assert xyY[..., 2].min() >= 0
 
 
+@pytest.mark.slow
 @EACH
 def test_nothing_jumps_at_sunset_or_at_the_horizon(name):
     step = 1e-7
@@ -87,6 +89,7 @@ def test_nothing_jumps_at_sunset_or_at_the_horizon(name):
         np.testing.assert_allclose(below, above, rtol=1e-4, atol=nothing)
 
 
+@pytest.mark.slow
 @pytest.mark.float64
 @EACH
 def test_light_fades_at_night(name):

@@ -121,6 +121,7 @@ def test_the_sun_path_culminates_in_the_south():
     assert "clock" in words(figure)
 
 
+@pytest.mark.slow
 def test_the_coefficients_chart_has_a_band_for_every_coefficient():
     fit = skyfit.fit_sky(model_skies())
     figure = plots.coefficient_chart(fit)
@@ -132,6 +133,7 @@ def test_the_coefficients_chart_has_a_band_for_every_coefficient():
     assert all(len(panel.collections) == 1 for panel in figure.axes)
 
 
+@pytest.mark.slow
 def test_figures_are_nobodys_but_the_callers(published):
     before = plt.get_fignums()
     plots.luminance_map(published, SUN)

@@ -6,6 +6,7 @@ import pytest
 from skyfit.plots import airlight
 
 
+@pytest.mark.slow
 def test_the_errors_drawn_are_those_of_the_methods():
     errors = list(airlight.path_errors(np.array([60.0, 90.0]), np.array([1e4])).values())
     assert errors[0].max() < 1e-9
@@ -14,6 +15,7 @@ def test_the_errors_drawn_are_those_of_the_methods():
     assert errors[1][1] < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chart", [airlight.path_error_chart, airlight.sunset_chart])
 def test_charts_name_their_units(chart):
     figure = chart()

@@ -122,6 +122,7 @@ def test_a_standard_sun_gives_the_solar_constants_share_of_light():
     assert 0.47 < np.trapezoid(sun, PAPER_WAVELENGTHS) / 1361 < 0.52
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turbidity", TURBIDITIES)
 def test_turbidity_is_the_optical_thickness_over_that_of_clean_air(turbidity):
     air, haze = preetham_atmosphere(turbidity, wavelengths=550.0).optical_depth()[:, 0]
@@ -236,6 +237,7 @@ def test_turbidity_below_one_is_refused(turbidity, message):
         preetham_atmosphere(turbidity)
 
 
+@pytest.mark.slow
 def test_turbidity_below_one_is_refused_under_jit():
     with pytest.raises(RuntimeError, match=r"preetham_atmosphere\(turbidity=\.\.\.\) must be 1 or"):
         eqx.filter_jit(lambda t: preetham_atmosphere(t).optical_depth())(jnp.array(0.5))

@@ -114,6 +114,7 @@ def test_first_order_is_the_twins(sun_deg):
     np.testing.assert_array_equal(np.asarray(sky.radiance)[~bright], 0.0)
 
 
+@pytest.mark.slow
 def test_stored_radiance_is_the_twins():
     row = next(r for r in stored() if r[:3] == (96.0, 0.0, 0.0))
     got = bent_twin.first(twin_of(hazy(), 2.8e-4), np.radians(96.0), 0.0, [0.0])[0]
@@ -131,6 +132,7 @@ def test_refraction_of_nothing_is_no_refraction():
     np.testing.assert_allclose(weak.radiance, straight.radiance, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_flat_air_does_not_bend():
     look = np.radians(40.0), np.radians([0.0, 85.0]), 0.3
     options = {"orders": 1, "geometry": "flat"}
@@ -201,6 +203,7 @@ def test_air_that_leads_light_round_the_planet_is_refused():
         Refraction(-1e-4, profile.Exponential(SCALE))
 
 
+@pytest.mark.slow
 def test_campaign_file_bends_light_by_the_profile_of_its_air(tmp_path):
     path = tmp_path / "bent.toml"
     text = (

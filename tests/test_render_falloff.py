@@ -167,6 +167,7 @@ def peaked(g):
     return simulate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", [0.9, 0.95])
 @pytest.mark.parametrize("sun", SUNS, ids=lambda sun: f"{math.degrees(sun):.0f}deg")
 def test_what_later_orders_leave_of_a_peak_is_kept(monkeypatch, g, sun):

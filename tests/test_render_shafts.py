@@ -59,6 +59,7 @@ def seen_by_walking(land, x, y, altitude, edges):
 DISC = [1 / math.tan(SUN - sign * 0.00465) for sign in (1, -1)]
 
 
+@pytest.mark.slow
 def test_points_in_the_air_see_the_sun_where_a_plain_walk_does(hills):
     rng = np.random.default_rng(1)
     # Also among the mirror images that continue the grid of 6.9 by 7.1 km.

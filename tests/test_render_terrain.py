@@ -74,6 +74,7 @@ def plain_march(land, eye, direction, step=5.0, farthest=30e3):
     return ground[below[0]] if below.size else math.inf
 
 
+@pytest.mark.slow
 def test_rays_meet_the_land_where_a_plain_march_does(hills):
     eye = (1500.0, 1800.0, 420.0)
     azimuths = np.linspace(0.0, 6.0, 25).astype(np.float32)
@@ -130,6 +131,7 @@ def test_the_horizon_of_a_place_is_the_ridge_beside_it():
     assert flat == pytest.approx(1, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_level_land_has_the_light_that_falls_on_it(published, plain):
     camera = Perspective(8, 6, elevation=-0.5, field_of_view=0.4, altitude=50.0)
     sun, albedo = 0.7, 0.3
@@ -142,6 +144,7 @@ def test_level_land_has_the_light_that_falls_on_it(published, plain):
     assert luminance == pytest.approx(albedo / math.pi * falling[1], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_slope_towards_the_sun_is_brighter(published):
     heights = np.abs(np.arange(41) - 20.0)[None, :] * -30.0 + np.zeros((5, 1))
     ridge = Elevation(heights, 100.0, 100.0)
@@ -162,6 +165,7 @@ class Fog:
         return 0.05 * one, 100.0 * one
 
 
+@pytest.mark.slow
 def test_air_stands_before_land_and_not_before_the_sky(published, plain):
     camera = Perspective(8, 8, field_of_view=0.4, altitude=50.0)
     bare, foggy = (
@@ -187,6 +191,7 @@ def test_impossible_samples_are_refused(published, plain):
     assert direction_of(0.0, 0.0)[2] == 1
 
 
+@pytest.mark.slow
 def test_the_command_renders_the_sample_terrain(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["render", "--turbidity", "3", "--view", "perspective", "--terrain", "sample",

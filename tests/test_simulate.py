@@ -223,6 +223,7 @@ def test_one_program_serves_every_turbidity_and_sun():
     assert traced == 1
 
 
+@pytest.mark.slow
 def test_arguments_broadcast_and_the_spectrum_is_last():
     atm = paper_air()
     suns = np.radians([[20.0], [60.0]])

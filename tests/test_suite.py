@@ -64,6 +64,7 @@ def pytest_of(where, files, **environment):
     return done.returncode, done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [MISSING_IN_ONE_TEST, MISSING_IN_A_FILE], ids=["test", "file"])
 def test_what_a_missing_program_skips_has_failed_where_nothing_may_be_skipped(text, tmp_path):
     code, said = outcome(tmp_path, text, "0")
@@ -76,12 +77,14 @@ def test_what_a_missing_program_skips_has_failed_where_nothing_may_be_skipped(te
     assert "a_program_that_nobody_has cannot be imported: pip install 'skyfit[test]'" in said
 
 
+@pytest.mark.slow
 def test_files_with_slow_tests_come_first(tmp_path):
     _, said = pytest_of(tmp_path, {"test_a.py": QUICK, "test_b.py": LONG}, SKYFIT_X64="1")
     assert said.index("test_b.py::test_long PASSED") < said.index("test_a.py::test_digits PASSED")
     assert "test_a.py::test_precision FAILED" in said
 
 
+@pytest.mark.slow
 def test_without_float64_what_needs_it_is_left_out(tmp_path):
     code, said = pytest_of(tmp_path, {"test_a.py": QUICK, "test_b.py": LONG}, SKYFIT_X64="0")
     assert code == pytest.ExitCode.OK

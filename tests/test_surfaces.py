@@ -34,6 +34,7 @@ def uniform_dome(channels=1):
     return Dome(jnp.ones((16, 32, channels)), jnp.asarray(0.5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0.0, 0.7, WALL, 2.5])
 def test_a_uniform_sky_lights_a_plane_by_what_it_sees(tilt):
     # π (1 + cos tilt) / 2, and the rest by a ground that sends π albedo / π of it back.
@@ -44,6 +45,7 @@ def test_a_uniform_sky_lights_a_plane_by_what_it_sees(tilt):
     np.testing.assert_allclose(ground[0], 0.3 * np.pi * (1 - np.cos(tilt)) / 2, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [lambda: preetham_sky(3.0), lambda: cie_general_sky(15)])
 @pytest.mark.parametrize("sun", [0.3, 1.4])
 def test_planes_get_the_light_of_a_plain_sum_over_the_dome(make, sun):

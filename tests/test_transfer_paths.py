@@ -35,6 +35,7 @@ def brute(altitude, mu, length, count=400_001):
     return np.array([np.trapezoid(r, t) for r in rho])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zenith_deg", [0.0, 50.0, 85.0, 89.5, 90.0])
 def test_column_of_a_rising_ray_is_the_integral_of_density(zenith_deg):
     mu = np.cos(np.radians(zenith_deg))
@@ -47,6 +48,7 @@ def test_column_of_a_rising_ray_is_the_integral_of_density(zenith_deg):
     np.testing.assert_allclose(path.weight.sum(0), got, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_columns_at_nodes_are_those_of_the_stretch_below():
     leg = rising_leg(SPHERE.planet, jnp.asarray(0.0), jnp.asarray(0.05), FAR)
     path = sample(SPHERE, leg, jnp.asarray(0.0), leg.length, 7, 6)
@@ -81,6 +83,7 @@ def test_a_ray_to_the_ground_and_back_is_one_path():
     )
 
 
+@pytest.mark.slow
 def test_sun_columns_agree_with_direct_integration():
     columns = sun_columns(SPHERE, 96)
     rng = np.random.default_rng(0)
@@ -98,6 +101,7 @@ def test_sun_columns_agree_with_direct_integration():
         np.testing.assert_allclose(got[1], want[1], rtol=1e-2, atol=0.1)
 
 
+@pytest.mark.slow
 def test_the_sun_below_the_horizon_does_not_shine():
     columns = sun_columns(SPHERE, 48)
     h = jnp.asarray([0.0, 1e4, 1e4])
@@ -105,6 +109,7 @@ def test_the_sun_below_the_horizon_does_not_shine():
     assert columns(h, mu)[1].tolist() == [False, False, True]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thicker", [1e-3, 1.0, 100.0])
 @pytest.mark.parametrize("geometry", [SPHERE, PLANE])
 def test_air_that_glows_evenly_is_seen_with_its_own_brightness(geometry, thicker):

@@ -32,6 +32,7 @@ def test_interpolation_holds_the_ends_outside_and_works_with_few_nodes():
     assert lagrange_weights(jnp.asarray([2.0]), jnp.asarray([5.0])).tolist() == [[1.0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [0, 1, 5, 26])
 def test_harmonics_obey_the_addition_theorem(degree):
     rng = np.random.default_rng(degree)

@@ -83,6 +83,7 @@ def test_a_zenith_beyond_the_models_is_given_the_nearest_turbidity():
     np.testing.assert_array_equal(got, [1.9, 10.0])
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_the_inverse_functions():
     def zenith(value, sun):
         return preetham_sky(value).xyY(sun, 0.0, 0.0)[2]

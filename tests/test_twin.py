@@ -97,6 +97,7 @@ def test_single_scattering_agrees_with_a_published_clear_atmosphere():
         np.testing.assert_allclose(got, want.values, rtol=3e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "geometry", "direction"),
     [
@@ -147,6 +148,7 @@ def test_light_from_thin_air_is_reflected_by_the_ground():
     np.testing.assert_allclose(down, ground + air, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_second_order_of_thin_air_vanishes_with_the_square_of_its_depth():
     thin, thinner = (twin.double(thin_air(depth), 0.9, 0.5, 0.4) for depth in (2e-4, 1e-4))
     # Directions along the layer make it 4 (1 + O(depth log depth)).
@@ -183,6 +185,7 @@ def test_a_level_ray_over_a_flat_ground_ends_in_its_own_haze():
     np.testing.assert_allclose(level, want, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_twins_stored_numbers_are_still_its_own():
     rows = np.genfromtxt(REFERENCE / "twin_radiances.csv", delimiter=",", names=True)
     atms = {

@@ -22,6 +22,7 @@ def year(request, tmp_path):
     return made, rows, skyfit.weather_table(skyfit.read_weather(tmp_path / "year.epw"))
 
 
+@pytest.mark.slow
 def test_every_row_of_a_year_comes_back_with_the_sun_and_the_sky_of_pvlib(year):
     made, rows, table = year
     assert table.index.equals(rows.index.rename("time"))
