@@ -9,6 +9,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+import zarr
 from model_skies import model_skies
 from PIL import Image
 from stand_in import stand_in
@@ -100,6 +101,19 @@ def test_a_finished_file_that_has_lost_its_radiance_is_refused(home, capsys):
     skyfit.load_dataset("sky.nc").drop_vars("radiance").to_netcdf("less.nc", engine="netcdf4")
     assert simulate("less.nc") == 2
     assert "less.nc: radiance: is missing, or not of the campaign's" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("ignore:The data type")  # words in zarr 3
+def test_a_store_whose_radiance_is_no_number_is_refused(home, capsys):
+    assert simulate("sky.zarr") == 0
+    group = zarr.open_group(home / "sky.zarr")
+    shape, dims = group["radiance"].shape, group["radiance"].metadata.dimension_names
+    group.create_array("radiance", shape=shape, dimension_names=dims, dtype="<U4", overwrite=True)
+    assert simulate("sky.zarr") == 2
+    error = capsys.readouterr().err
+    assert error.startswith("skyfit: ")
+    assert error.count("\n") == 1
+    assert "sky.zarr: radiance: expected numbers; got <U4" in error
 
 
 @pytest.mark.parametrize("name", ["c.nc", "c.zarr"])

@@ -38,6 +38,7 @@ def save_dataset(
     if missing or not {"radiance", "luminance"} & set(dataset.variables):
         words = ", ".join(missing or ["radiance or luminance"])
         raise InputError(f"save_dataset(dataset=...): expected skies; there is no {words}")
+    refuse_malformed("save_dataset(dataset=...)", dataset)
     refuse_impossible_numbers("save_dataset(dataset=...)", dataset)
     dataset = dataset.assign_attrs(schema=SCHEMA)
     kind = refuse_dataset(path, overwrite=overwrite)

@@ -104,8 +104,6 @@ def refuse_impossible_numbers(path: str | PathLike[str], dataset: xr.Dataset) ->
     """
     impossible = np.isinf if "campaign" not in dataset.attrs else lambda v: ~np.isfinite(v)
     for name, array in dataset.variables.items():
-        if array.dtype.kind not in "biuf":
-            continue
         values = np.asarray(array.values, float)
         bad = int(np.count_nonzero(impossible(values)))
         if bad:

@@ -67,11 +67,13 @@ class SkyStore:
         return self._read(name, _array(self._group, name))
 
     def _of_shape(self, name: str, shape: tuple[int, ...]) -> Any:
-        """An array of the store, which is as large as the campaign's before it is read."""
+        """An array of numbers in the store, as large as the campaign's before it is read."""
         array = _array(self._group, name) if name in self._group else None
         if array is None or tuple(array.shape) != tuple(shape):
             came = "none" if array is None else f"shape {array.shape}"
             raise InputError(f"{self.path}: {name}: expected shape {tuple(shape)}; got {came}")
+        if np.dtype(array.dtype).kind not in "biuf":
+            raise InputError(f"{self.path}: {name}: expected numbers; got {array.dtype}")
         return array
 
     def _read(self, name: str, array: Any) -> np.ndarray:
