@@ -12,14 +12,14 @@ SHAPE = (6, 3, 4, 2, 2)  # level, m, l, sun, wavelength
 FIRST = Field(jnp.ones(SHAPE), jnp.ones(SHAPE[3:]))
 
 
-def each_order_by(shares):
-    """An operator that multiplies every moment, and the irradiance, by a share of its own."""
-    return lambda field: Field(field.moments * shares, field.irradiance * shares[0, 0, 0])
+def scaled(shares, field):
+    """Every moment, and the irradiance, times a share of its own."""
+    return Field(field.moments * shares, field.irradiance * shares[0, 0, 0])
 
 
 def test_the_sum_is_that_of_geometric_series():
     shares = jnp.asarray(np.random.default_rng(1).uniform(0, 0.97, SHAPE))
-    got = sum_of_orders(each_order_by(shares), FIRST, 1e-6)
+    got = sum_of_orders(scaled, shares, FIRST, 1e-6)
     want = shares / (1 - shares)
     # The remainder is 1e-6 of the whole; the sum 1 / (1 - 0.97) times as far off, at most.
     np.testing.assert_allclose(got.moments, want, rtol=1e-4, atol=1e-4)
@@ -30,7 +30,7 @@ def test_a_series_that_does_not_converge_has_no_sum():
     rng = np.random.default_rng(2)
     shares = rng.uniform(0, 0.5, SHAPE)
     shares[..., 1] = rng.uniform(-300, 300, SHAPE[:-1])
-    got = sum_of_orders(each_order_by(jnp.asarray(shares)), FIRST, 1e-6)
+    got = sum_of_orders(scaled, jnp.asarray(shares), FIRST, 1e-6)
     for leaf in jax.tree.leaves(got):
         assert np.all(np.isfinite(leaf[..., 0]))
         assert np.all(np.isnan(leaf[..., 1]))

@@ -80,10 +80,12 @@ def orders_under_suns(
             higher = make_grid(scaled, nodes, quality.levels, quality.higher)
             once = jax.tree.map(lambda a: a[..., width:], field)
 
-            def further(field):
-                return next_field(scaled, higher, scatter(rough, field), quality)
+            def further(air, field):
+                medium, grid = air
+                return next_field(medium, grid, scatter(medium.optics, field), quality)
 
-            more = sum_of_orders(further, once.up_to(quality.higher), quality.tolerance)
+            once = once.up_to(quality.higher)
+            more = sum_of_orders(further, (scaled, higher), once, quality.tolerance)
             light = look(scatter(optics, field.plus(more, width)))
             second = light[..., :width] + again[..., :width]
             total = first[..., width:] + light[..., width:]

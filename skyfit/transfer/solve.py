@@ -1,16 +1,17 @@
 """All orders at once: the sum of a series in which light scatters again and again.
 
-With A one more scattering, the sum x of A b + A² b + … solves x = A (b + x). Plain iteration adds
+With A one more scattering, the sum y of b + A b + A² b + … solves y = b + A y. Plain iteration adds
 order after order; where air is thick hundreds count. Anderson's acceleration (1965, J. ACM 12,
 547), for every wavelength by itself, needs some ten.
 """
 
 from collections.abc import Callable
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .field import Field
 
@@ -22,83 +23,127 @@ _MOST_STEPS = 200
 _LOST = 0.01  # residual, relative; where it is larger there is no sum
 
 
-def sum_of_orders(again: Callable[[Field], Field], first: Field, tolerance: float) -> Field:
-    """Sum x of A b + A² b + …: the light of all orders but the first, b.
+@partial(jax.custom_jvp, nondiff_argnums=(0, 3))
+def sum_of_orders(
+    again: Callable[[Any, Field], Field], medium: Any, first: Field, tolerance: float
+) -> Field:
+    """Sum A b + A² b + …: the light of all orders but the first, b.
 
     Args:
-        again: Linear operator A: the field of the next order.
+        again: `again(medium, field)` is A: the field of the next order, linear in the field.
+        medium: What A depends on and may be differentiated by; a pytree.
         first: Field b, no sharper than what A returns.
-        tolerance: Largest residual of x = A (b + x), relative to x, at every wavelength.
+        tolerance: Largest residual of y = b + A y, relative to the sum, at every wavelength.
 
     Returns:
         The sum; not a number at wavelengths at which it does not converge.
     """
-    second = again(first)
-    # Suns in twilight count as much as those by day.
-    size = jnp.sqrt(jnp.mean(second.moments**2, axis=(0, 1, 2), keepdims=True))
-    scale = jax.lax.stop_gradient(1 / (size + 1e-30))
-    scales = Field(scale, scale[0, 0, 0])
-
-    def remains(x: Field) -> Field:
-        return jax.tree.map(jnp.subtract, x, again(x))
-
-    solve = partial(_anderson, scales=scales, tolerance=tolerance)
-    return jax.lax.custom_linear_solve(remains, second, solve, solve)
+    whole = _anderson(lambda y: _minus(y, again(medium, y)), first, tolerance=tolerance)
+    return _minus(whole, first)
 
 
-def _anderson(remains, b: Field, *, scales: Field, tolerance: float) -> Field:
-    """Solve remains(x) = b, starting from b."""
+@sum_of_orders.defjvp
+def _sum_of_orders_moved(again, tolerance, primals, tangents):
+    """The sum and its tangent: (1 - A) dy = db + dA y, solved likewise and transposable."""
+    medium, first = primals
+    beyond = sum_of_orders(again, medium, first, tolerance)
+    whole = _plus(first, beyond)
+    moved = jax.jvp(lambda given: again(given, whole), (medium,), tangents[:1])[1]
+    solve = partial(_anderson, tolerance=tolerance)
+    change = jax.lax.custom_linear_solve(
+        lambda y: _minus(y, again(medium, y)), _plus(tangents[1], moved), solve, solve
+    )
+    return beyond, _minus(change, tangents[1])
 
-    def residual(x):
-        return jax.tree.map(jnp.subtract, b, remains(x))
 
-    def products(left, right):
-        """Inner products by wavelength; any leading axes."""
-        pairs = zip(
-            jax.tree.leaves(left), jax.tree.leaves(right), jax.tree.leaves(scales), strict=True
-        )
-        return sum(jnp.sum((u * s**2 * v).reshape(-1, u.shape[-1]), axis=0) for u, v, s in pairs)
+def _anderson(remains: Callable[[Field], Field], b: Field, *, tolerance: float) -> Field:
+    """Solve remains(y) = b."""
 
     def step(state):
-        x, r, xs, rs, count, _ = state
-        steps = jnp.arange(_MEMORY)
-        gram = jnp.stack([jnp.stack([products(_row(rs, i), _row(rs, j)) for j in range(_MEMORY)])
-                          for i in range(_MEMORY)])  # fmt: skip
-        gram = jnp.moveaxis(gram, -1, 0)
-        side = jnp.stack([products(_row(rs, i), r) for i in range(_MEMORY)], axis=-1)
-        trace = jnp.trace(gram, axis1=1, axis2=2)[:, None, None]
-        unit = jnp.eye(_MEMORY, dtype=gram.dtype)[None]
-        used = (steps < count).astype(gram.dtype)
-        ridge = jnp.finfo(gram.dtype).eps * 100 * trace + jnp.where(trace > 0, 0.0, 1.0)
-        gram = gram + ridge * unit + (1 - used)[None, None] * unit
-        mix = jnp.linalg.solve(gram, side[..., None])[..., 0] * used[None]  # [channel, memory]
+        y, r, ys, rs, gram, scale, count, _ = state
+        mix = _best_mixture(gram, _products(rs, r, scale), count)
         # How far the step goes, less what the history foresaw.
         ahead = jax.tree.map(
-            lambda x, r, dx, dr: x + r - jnp.einsum("wk,k...w->...w", mix, dx + dr), x, r, xs, rs
+            lambda y, r, dy, dr: y + r - jnp.einsum("kw,k...w->...w", mix, dy + dr), y, r, ys, rs
         )
-        left = residual(ahead)
+        left = _minus(b, remains(ahead))
+        scale = jnp.where(count == 0, _scale(left), scale)
         place = count % _MEMORY
-        xs = jax.tree.map(lambda h, new, old: h.at[place].set(new - old), xs, ahead, x)
-        rs = jax.tree.map(lambda h, new, old: h.at[place].set(new - old), rs, left, r)
-        return ahead, left, xs, rs, count + 1, off(ahead, left)
+        ys = jax.tree.map(lambda h, new: h.at[place].set(new), ys, _minus(ahead, y))
+        change = _minus(left, r)
+        rs = jax.tree.map(lambda h, new: h.at[place].set(new), rs, change)
+        row = _products(rs, change, scale)
+        gram = gram.at[place].set(row).at[:, place].set(row)
+        return ahead, left, ys, rs, gram, scale, count + 1, error(ahead, left, scale)
 
-    def off(x, r):
-        whole = products(x, x)
-        return products(r, r) / jnp.where(whole > 0, whole, 1.0)
+    def error(y, r, scale):
+        """Square of what is left over the square of the later orders, by wavelength."""
+        later, left = (_products(_one(a), a, scale)[0] for a in (_minus(y, b), r))
+        # After the first step no later order is there yet, and the second is what is left.
+        return jnp.where(left > 0, left / jnp.where(later > 0, later, left), 0.0)
 
     def unfinished(state):
         *_, count, error = state
         return jnp.any(error > tolerance**2) & (count < _MOST_STEPS)
 
+    nothing = jax.tree.map(jnp.zeros_like, b)
     empty = jax.tree.map(lambda a: jnp.zeros((_MEMORY, *a.shape), a.dtype), b)
-    start = residual(b)
-    state = b, start, empty, empty, jnp.asarray(0), off(b, start)
-    found, *_, error = jax.lax.while_loop(unfinished, step, state)
-    sum_is_known = error < _LOST**2
+    scale = jnp.ones_like(b.irradiance)
+    gram = jnp.zeros((_MEMORY, _MEMORY, scale.shape[-1]), scale.dtype)
+    unknown = jnp.full_like(scale[0], jnp.inf)
+    state = nothing, b, empty, empty, gram, scale, jnp.asarray(0), unknown
+    found, *_, last = jax.lax.while_loop(unfinished, step, state)
+    sum_is_known = last < _LOST**2
     return jax.tree.map(
         lambda a: jnp.where(jnp.broadcast_to(sum_is_known, a.shape), a, jnp.nan), found
     )
 
 
-def _row(history: T, index: int) -> T:
-    return jax.tree.map(lambda a: a[index], history)
+def _best_mixture(
+    gram: Float[Array, "step step wavelength"], side: Float[Array, "step wavelength"], count: Array
+) -> Float[Array, "step wavelength"]:
+    """How much of each remembered change takes most off the residual: least squares.
+
+    Args:
+        gram: Products of the changes of the residual among themselves.
+        side: Their products with the residual.
+        count: How many steps were made; what was not remembered yet has no share.
+    """
+    gram = jnp.moveaxis(gram, -1, 0)
+    trace = jnp.trace(gram, axis1=1, axis2=2)[:, None, None]
+    unit = jnp.eye(_MEMORY, dtype=gram.dtype)[None]
+    used = (jnp.arange(_MEMORY) < count).astype(gram.dtype)[:, None]
+    ridge = jnp.finfo(gram.dtype).eps * 100 * trace + jnp.where(trace > 0, 0.0, 1.0)
+    gram = gram + ridge * unit + (1 - used)[None] * unit
+    return jnp.linalg.solve(gram, side.T[..., None])[..., 0].T * used
+
+
+def _scale(second: Field) -> Float[Array, "sun wavelength"]:
+    """Inverse size of light under each sun: suns in twilight count as much as those by day."""
+    size = jnp.sqrt(jnp.mean(second.moments**2, axis=(0, 1, 2)))
+    return jax.lax.stop_gradient(1 / (size + 1e-30))
+
+
+def _products(
+    history: Field, one: Field, scale: Float[Array, "sun wavelength"]
+) -> Float[Array, "step wavelength"]:
+    """Inner products, by wavelength, of each field of a history with one field."""
+    weighted = jax.tree.map(lambda a: a * jnp.broadcast_to(scale**2, a.shape), one)
+    each = [
+        jnp.sum(h * a[None], axis=tuple(range(1, a.ndim)))
+        for h, a in zip(jax.tree.leaves(history), jax.tree.leaves(weighted), strict=True)
+    ]
+    return jnp.sum(jnp.stack(each), axis=0)
+
+
+def _one(field: T) -> T:
+    """A history of one."""
+    return jax.tree.map(lambda a: a[None], field)
+
+
+def _plus(a: T, b: T) -> T:
+    return jax.tree.map(jnp.add, a, b)
+
+
+def _minus(a: T, b: T) -> T:
+    return jax.tree.map(jnp.subtract, a, b)
