@@ -14,8 +14,8 @@ from ..models import AbstractSkyModel
 from ..render.half_dome import grid_axes, on_dome
 
 
-# Of that day, as published comparisons on these skies take it. It is Linke's turbidity; their haze, by
-# Ångström's law with 0.04 and 0.8, is 1.56 as Preetham et al. define turbidity.
+# Of that day, as published comparisons on these skies take it. It is Linke's turbidity; their haze,
+# by Ångström's law with 0.04 and 0.8, is 1.56 as Preetham et al. define turbidity.
 TURBIDITY = 2.53
 # As many as the paper's campaign has, so that one compiled program serves both; the error is taken
 # over those up to 720 nm, as in published comparisons.
