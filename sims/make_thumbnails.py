@@ -33,8 +33,7 @@ def fisheye(file: Path, sun: float) -> np.ndarray:
     from skyfit.colour import spectrum_to_xyz, xyz_to_rgb
 
     campaign = skyfit.load_campaign(file)
-    value = campaign.swept[1][len(campaign.swept[1]) // 2]
-    swept = {} if campaign.swept[0] is None else {campaign.swept[0]: value}
+    swept = {name: values[len(values) // 2] for name, values in campaign.swept.items()}
     atmosphere = skyfit.load_atmosphere(file, WAVELENGTHS, **swept)
     x, y = np.meshgrid(*[(np.arange(2 * RADIUS) + 0.5) / RADIUS - 1] * 2)
     view, azimuth = np.hypot(x, y) * np.pi / 2, np.arctan2(y, x)
@@ -47,7 +46,7 @@ def fisheye(file: Path, sun: float) -> np.ndarray:
         orders=campaign.orders,
         geometry=campaign.geometry,
         quality="draft",
-        observer_altitude=campaign.observer_altitude_at(value),
+        observer_altitude=campaign.observer_altitude_at(**swept),
     )
     rgb = np.asarray(xyz_to_rgb(spectrum_to_xyz(sky.radiance[0], WAVELENGTHS)))
     picture = np.zeros((*view.shape, 3))

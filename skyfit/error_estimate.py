@@ -8,6 +8,7 @@ sizes leave out, such as polarisation.
 import dataclasses
 import json
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -86,13 +87,22 @@ class ErrorEstimate:
 def sampled_skies(campaign: Campaign) -> Bool[np.ndarray, "*sky"]:
     """Which few skies stand for a campaign, over its `sky_dims`.
 
-    Those of the first and the last value of what is swept under the highest, the middle and the
-    lowest sun: errors grow with the haze and towards sunset.
+    Those where every swept parameter has its first or its last value, under the highest, the
+    middle and the lowest sun: errors grow with the haze and towards sunset.
     """
-    values, suns = len(campaign.swept[1]), len(campaign.sun_zenith)
-    chosen = np.zeros((values, suns), bool)
-    chosen[np.ix_(sorted({0, values - 1}), sorted({0, suns // 2, suns - 1}))] = True
-    return chosen.reshape(campaign.sky_shape)
+    suns = len(campaign.sun_zenith)
+    corner = [
+        all(value in (values[0], values[-1]) for value, values in _pairs(place, campaign.swept))
+        for place in campaign.places
+    ]
+    seen = np.isin(np.arange(suns), (0, suns // 2, suns - 1))
+    return (np.array(corner)[:, None] & seen).reshape(campaign.sky_shape)
+
+
+def _pairs(
+    place: Mapping[str, float], swept: Mapping[str, tuple[float, ...]]
+) -> list[tuple[float, tuple[float, ...]]]:
+    return [(value, swept[name]) for name, value in place.items()]
 
 
 def sum_up(
@@ -109,12 +119,10 @@ def sum_up(
     known = errors[np.isfinite(errors)].astype(float)
     place = np.unravel_index(np.nanargmax(errors), errors.shape)
     *sky, direction, wavelength = (int(number) for number in place)
-    axes = (campaign.swept[1], campaign.sun_zenith)[-len(sky) :]
-    where = {
-        name: float(axis[number])
-        for name, axis, number in zip(campaign.sky_dims, axes, sky, strict=True)
-    }
-    where |= {
+    *front, sun = sky
+    at = int(np.ravel_multi_index(tuple(front), campaign.sky_shape[:-1])) if front else 0
+    where = campaign.places[at] | {
+        "sun_zenith": campaign.sun_zenith[sun],
         "view_zenith": campaign.view_zenith[direction],
         "relative_azimuth": campaign.relative_azimuth[direction],
         "wavelength": campaign.wavelengths[wavelength],

@@ -59,7 +59,7 @@ def found(campaign):
     """The fit to skies simulated with the true numbers, in single scattering; one patch is gone."""
     known = aerosol_fit.AerosolFit(TRUTH, {}, 0.0, 0, True).campaign(campaign, "haze")
     light = skyfit.simulate(
-        known.build_atmosphere(np.nan), SUN[:, None], VIEW[None], AZIMUTH, 1, quality=COARSE
+        known.build_atmosphere(), SUN[:, None], VIEW[None], AZIMUTH, 1, quality=COARSE
     ).radiance
     light = np.array(light)
     light[1, 3] = np.nan
@@ -87,7 +87,7 @@ def test_the_numbers_of_a_simulated_aerosol_come_back(found):
 
 @pytest.mark.slow
 def test_fitted_numbers_take_their_places_in_the_campaign(found, campaign):
-    fitted = found.campaign(campaign, "haze").build_atmosphere(np.nan)
+    fitted = found.campaign(campaign, "haze").build_atmosphere()
     depth = np.asarray(fitted.optical_depth()[1])
     expected = found.values["angstrom_beta"] * (LAM / 1000) ** -found.values["angstrom_exponent"]
     np.testing.assert_allclose(depth, expected, rtol=1e-9)
@@ -97,7 +97,7 @@ def test_fitted_numbers_take_their_places_in_the_campaign(found, campaign):
 @pytest.mark.slow
 def test_derivatives_through_the_simulator_are_those_of_differences(campaign):
     start = aerosol_fit._free(TRUTH | {"asymmetry": 0.5})
-    base = campaign.build_atmosphere(np.nan)
+    base = campaign.build_atmosphere()
     case = aerosol_fit._Case(
         base, base.vertical_column()[1], *map(jax.numpy.asarray, (SUN, VIEW[None] + 0 * AZIMUTH)),
         jax.numpy.asarray(AZIMUTH), jax.numpy.ones((2, 5, 3)),

@@ -78,5 +78,5 @@ def test_what_a_file_says_wrong_of_bands_is_named(tmp_path, line, wrong, message
 
 def test_the_papers_atmosphere_has_no_bands():
     campaign = dataclasses.replace(skyfit.Campaign(), wavelengths=(720.0,))
-    air = campaign.build_atmosphere(3.0)
+    air = campaign.build_atmosphere(**campaign.places[0])
     assert all(one.bands is None for one in air.constituents)

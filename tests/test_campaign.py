@@ -79,7 +79,7 @@ def test_a_campaign_survives_json():
 @pytest.mark.slow
 def test_the_campaigns_atmosphere_is_the_papers_of_that_turbidity():
     campaign = skyfit.Campaign(wavelengths=[450.0, 550.0, 650.0])
-    depth = campaign.build_atmosphere(3.0).optical_depth()
+    depth = campaign.build_atmosphere(turbidity=3.0).optical_depth()
     # The definition: T is the optical thickness of air and haze over that of air at 550 nm.
     np.testing.assert_allclose(depth[:, 1].sum() / depth[0, 1], 3, rtol=1e-12)
 
@@ -185,8 +185,8 @@ def test_any_number_of_a_file_can_be_swept(tmp_path):
             HEAD + AIR + HAZE + "optical_depth = 0.1\n" + profile + sweep
         )
         campaign = skyfit.load_campaign(tmp_path / "a.toml")
-        assert campaign.swept == (name, (0.1, 0.2))
-        assert campaign.sweep.units == units
+        assert campaign.swept == {name: (0.1, 0.2)}
+        assert campaign.sweep[0].units == units
         assert campaign.sky_dims == (name, "sun_zenith")
         assert campaign.num_skies == 24
 
@@ -195,8 +195,8 @@ def test_an_altitude_is_swept_by_moving_the_observer(tmp_path):
     sweep = '[sweep]\nkey = "simulation.observer_altitude_m"\nvalues = [100, 2000]\n'
     (tmp_path / "a.toml").write_text(HEAD + AIR + sweep)
     campaign = skyfit.load_campaign(tmp_path / "a.toml")
-    assert [campaign.observer_altitude_at(value) for value in (100.0, 2000.0)] == [100, 2000]
-    low, high = (campaign.build_atmosphere(value) for value in (100.0, 2000.0))
+    assert [campaign.observer_altitude_at(**place) for place in campaign.places] == [100, 2000]
+    low, high = (campaign.build_atmosphere(**place) for place in campaign.places)
     np.testing.assert_array_equal(low.extinction, high.extinction)
 
 

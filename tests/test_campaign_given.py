@@ -83,7 +83,7 @@ def test_a_function_of_another_parameter_gives_the_dataset_its_dimension(quick):
     assert skies["dust"].values.tolist() == [0.1, 0.4]
     first = skyfit.run_campaign(skyfit.Campaign(atmosphere=dusty(0.1), **FEW))
     np.testing.assert_allclose(skies["radiance"].sel(dust=0.1), first["radiance"], rtol=1e-13)
-    later = campaign.build_atmosphere(0.2)  # a value between those that were swept
+    later = campaign.build_atmosphere(dust=0.2)  # a value between those that were swept
     np.testing.assert_allclose(later.constituents[1].scattering, 1e-4)
 
 
@@ -91,8 +91,8 @@ def test_the_observer_of_an_atmosphere_can_be_swept():
     sweep = {"observer_altitude": [0.0, 5e3]}
     campaign = skyfit.Campaign(atmosphere=dusty(0.1), sweep=sweep, **FEW)
     assert campaign.sky_dims == ("observer_altitude", "sun_zenith")
-    assert [campaign.observer_altitude_at(h) for h in campaign.swept[1]] == [0.0, 5e3]
-    assert campaign.build_atmosphere(5e3) is campaign.atmosphere
+    assert [campaign.observer_altitude_at(**place) for place in campaign.places] == [0.0, 5e3]
+    assert campaign.build_atmosphere(observer_altitude=5e3) is campaign.atmosphere
 
 
 @pytest.mark.parametrize("swept", [{}, {"sweep": {"dust": [0.1, 0.4]}}])
@@ -109,8 +109,8 @@ def test_the_record_says_what_the_atmosphere_was_and_can_be_simulated_again(quic
     assert hash(found) == hash(campaign)
     xr.testing.assert_identical(skyfit.run_campaign(found), record)
     if swept:
-        with pytest.raises(ValueError, match=r"on record at dust = 0.1, 0.4; not at 0.2"):
-            found.build_atmosphere(0.2)
+        with pytest.raises(ValueError, match=r"at dust = 0.1; dust = 0.4; not at dust = 0.2"):
+            found.build_atmosphere(dust=0.2)
 
 
 def test_a_campaign_survives_json_and_replacement():
@@ -154,13 +154,16 @@ def test_a_store_of_another_function_is_refused(quick, tmp_path):
         ({"atmosphere": turbid, "sweep": {"dust": [1.0]}}, "the swept dust alone; turbid cannot"),
         ({"atmosphere": dusty(0.1), "turbidity": [2.0]}, r"turbidity=...\): an Atmosphere stays"),
         ({"atmosphere": dusty(0.1), "sweep": {"dust": [1.0]}}, r"sweep=...\): an Atmosphere stays"),
-        ({"atmosphere": dusty, "sweep": {"dust": [1.0], "x": [1.0]}}, "one parameter; got dust, x"),
-        ({"atmosphere": dusty, "sweep": {}}, "one parameter; got none"),
+        (
+            {"atmosphere": dusty, "sweep": {"dust": [1.0], "soot": [1.0]}},
+            "the swept dust, soot alone; dusty can",
+        ),
+        ({"atmosphere": dusty, "sweep": {}}, "a parameter or more; got none"),
         ({"atmosphere": dusty, "sweep": {"wavelength": [1.0]}}, "wavelength is taken"),
         ({"atmosphere": dusty, "sweep": {"dust": [2.0, 1.0]}}, "increasing values; got 2 before 1"),
         (
             {"atmosphere": dusty, "turbidity": [2.0], "sweep": {"dust": [1.0]}},
-            "one parameter, and that of the function; got dust beside turbidity",
+            "is called with the swept turbidity, dust alone; dusty cannot be",
         ),
         (
             {"atmosphere": dusty(0.1), "wavelengths": [450.0, 550.0]},
@@ -171,7 +174,7 @@ def test_a_store_of_another_function_is_refused(quick, tmp_path):
                 "atmosphere": lambda dust: skyfit.preetham_atmosphere(2.0, wavelengths=[1e2, dust]),
                 "sweep": {"dust": [200.0, 300.0]},
             },
-            "same wavelengths at every dust; those at dust = 300 are not those at dust = 200",
+            "same wavelengths everywhere; those at dust = 300 are not those at dust = 200",
         ),
         ({"sweep": {"dust": [1.0]}}, "the paper's atmosphere is swept over turbidity"),
     ],

@@ -221,7 +221,7 @@ def test_a_table_next_to_the_file_is_read_and_kept(tmp_path):
     (tmp_path / "ground.csv").unlink()
     again = skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict())))
     assert again == campaign
-    np.testing.assert_allclose(again.build_atmosphere(np.nan).ground_albedo[20], 0.23)  # 580 nm
+    np.testing.assert_allclose(again.build_atmosphere().ground_albedo[20], 0.23)  # 580 nm
 
 
 def test_a_black_body_of_the_suns_size_gives_the_solar_constant():
@@ -319,13 +319,14 @@ def test_a_record_of_a_described_campaign_alone_can_be_simulated_again(tmp_path)
     campaign = dataclasses.replace(
         skyfit.load_campaign(tmp_path / "own.toml"), wavelengths=(500.0, 600.0)
     )
-    assert campaign.swept == ("optical_depth", (0.1, 0.3))
+    assert campaign.swept == {"optical_depth": (0.1, 0.3)}
     again = skyfit.Campaign.from_dict(json.loads(json.dumps(campaign.to_dict())))
     assert again == campaign
-    for value in campaign.swept[1]:
-        one, other = campaign.build_atmosphere(value), again.build_atmosphere(value)
+    for place in campaign.places:
+        one, other = campaign.build_atmosphere(**place), again.build_atmosphere(**place)
         np.testing.assert_array_equal(one.extinction, other.extinction)
-        np.testing.assert_allclose(one.optical_depth()[1].max(), value * 1.1**1.3, rtol=0.03)
+        expected = place["optical_depth"] * 1.1**1.3
+        np.testing.assert_allclose(one.optical_depth()[1].max(), expected, rtol=0.03)
 
 
 def test_a_forward_peak_can_be_counted_as_light_that_goes_on():

@@ -48,7 +48,7 @@ def test_campaign_files_of_the_pages_are_campaigns(tmp_path):
     assert files
     for text in files:
         (tmp_path / "shown.toml").write_text(text)
-        assert skyfit.load_campaign(tmp_path / "shown.toml").swept[1]
+        assert skyfit.load_campaign(tmp_path / "shown.toml").places
 
 
 def test_commands_of_the_pages_exist_with_their_options():

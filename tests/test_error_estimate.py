@@ -78,7 +78,7 @@ def file(tmp_path, simulator):
 @pytest.mark.slow
 def test_a_campaigns_estimates_are_those_of_the_single_skies():
     record = skyfit.run_campaign(SMALL, estimate_error="all")
-    atmosphere = SMALL.build_atmosphere(4.0)
+    atmosphere = SMALL.build_atmosphere(turbidity=4.0)
     alone = [
         skyfit.simulate(
             atmosphere, sun, np.array(SMALL.view_zenith), np.array(SMALL.relative_azimuth),

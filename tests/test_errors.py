@@ -73,7 +73,7 @@ def test_a_mistake_in_a_campaign_file_names_the_file(tmp_path):
 
 
 def test_an_error_inside_a_loader_is_not_passed_off_as_the_files(tmp_path, monkeypatch):
-    def broken(*_):
+    def broken(*_, **__):
         raise ValueError("inside")
 
     monkeypatch.setattr(skyfit.Campaign, "build_atmosphere", broken)

@@ -34,8 +34,9 @@ def drafted(file, folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_shipped_sky_gives_a_picture_of_its_planet(file, tmp_path, capsys):
-    values = load_campaign(file).swept[1]
-    words = ["--turbidity", f"{values[len(values) // 2]:g}"] if len(values) > 1 else []
+    swept = load_campaign(file).swept.items()
+    middle = [f"{name}={values[len(values) // 2]:g}" for name, values in swept]
+    words = [word for one in middle for word in ("--set", one)]
     out = tmp_path / "sky.exr"
     options = ["--height", "48", "--sun-zenith-deg", "40", "--no-sun", "--precision", "float"]
     command = ["render", str(drafted(file, tmp_path)), *words, *options, "--gamut", "keep"]

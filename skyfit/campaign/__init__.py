@@ -2,7 +2,8 @@
 
 Carrying a campaign out, and going on after an interruption, is `skyfit.dataset`'s.
 
-- `campaign`: a campaign; `checks`, `given`, `swept`: what it may be made of;
+- `campaign`: a campaign; `checks`, `given`, `swept`: what it may be made of; `places`: where its
+  atmospheres lie among the swept parameters;
 - `directions`: the paper's suns and directions;
 - `description/`: atmospheres as numbers: gases, aerosols, profiles, suns;
 - `plain`: atmospheres as names and numbers for JSON, and back;

@@ -1,9 +1,11 @@
-"""Which skies to simulate: an atmosphere, the parameter it is swept over, suns and directions."""
+"""Which skies to simulate: an atmosphere, what it is swept over, suns and directions."""
 
 import dataclasses
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from ..spectrum import PAPER_WAVELENGTHS
 from ..transfer.quality import QUALITIES
 from .checks import axis_of, one_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
-from .description.sweep import OBSERVER_ALTITUDE
+from .description.sweep import GROUND_ALBEDO, OBSERVER_ALTITUDE
 from .directions import PAPER_SUN_ZENITHS_DEG, Values, paper_directions
 from .given import (
     KIND,
@@ -24,6 +26,7 @@ from .given import (
     given_of,
     given_record,
 )
+from .places import SAMPLE, places_of, swept_by_name, without_observer
 from .swept import find_swept
 
 
@@ -53,16 +56,20 @@ class Campaign:
         wavelengths: Wavelengths, increasing; by default those of an `Atmosphere`, else 380 to 780
             by 10 [nm].
         atmosphere: Air that the sky is made of; the paper's by default. An `Atmosphere`; a function
-            that is called with the swept value under its name, as in `air(turbidity=3.0)`, and
+            that is called with the swept values under their names, as in `air(turbidity=3.0)`, and
             returns one; a `PaperAtmosphere`; or the atmosphere of a campaign file.
         orders: Orders of scattering, 1 or more; None for all.
         geometry: "spherical", "flat" or "paper" (flat where the view zenith is below 70°).
         quality: Size of the simulator's quadratures: "draft", "default" or "high".
         observer_altitude: Altitude of the observer, 0 or more [m].
         keep_orders: Whether to keep the radiance of each order of scattering too.
-        sweep: Parameter of a function other than turbidity with its values, increasing, as in
-            `{"dust": [0.1, 0.2]}`; `{"observer_altitude": [...]}` [m] of an `Atmosphere`. None
-            where nothing else than a turbidity is swept.
+        sweep: Parameters other than turbidity with their values, increasing, as in
+            `{"dust": [0.1, 0.2], "observer_altitude": [0.0, 2000.0]}`: arguments of a function,
+            `ground_albedo` of the paper's atmosphere, `observer_altitude` [m] of any; or the
+            `Sweep`s of a file. None for turbidity alone, or for nothing.
+        samples: Number of places that fill the ranges of what is swept, in place of every
+            combination of its values: the corners first, then Halton's sequence. None for the
+            combinations.
 
     Raises:
         InputError: Naming the argument, what was expected and what came.
@@ -79,7 +86,8 @@ class Campaign:
     quality: str
     observer_altitude: float
     keep_orders: bool
-    sweep: Sweep | None
+    sweep: tuple[Sweep, ...]
+    samples: int | None
     _built: tuple[Atmosphere, ...] = field(init=False, repr=False)
 
     def __init__(
@@ -95,7 +103,8 @@ class Campaign:
         quality: str = "default",
         observer_altitude: float = 0.0,
         keep_orders: bool = False,
-        sweep: Sweep | Mapping[str, Values] | None = None,
+        sweep: Sweep | Sequence[Sweep] | Mapping[str, Values] | None = None,
+        samples: int | None = None,
     ):
         if (view_zenith is None) != (relative_azimuth is None):
             raise InputError(
@@ -131,11 +140,11 @@ class Campaign:
                 f"Campaign(observer_altitude=...): expected 0 m or more; got {observer_altitude}"
             )
         atmosphere = PaperAtmosphere() if atmosphere is None else atmosphere
-        turbidities, sweep = find_swept(atmosphere, turbidity, sweep)
+        turbidities, sweeps = find_swept(atmosphere, turbidity, sweep)
+        places = places_of(turbidities, sweeps, samples)
         built: tuple[Atmosphere, ...] = ()
         if not isinstance(atmosphere, Described):
-            name, values = _swept(turbidities, sweep)
-            built = build_given(atmosphere, name, values)
+            built = build_given(atmosphere, [without_observer(one, sweeps) for one in places])
             wavelengths = _wavelengths_of(built[0], wavelengths)
         elif wavelengths is None:
             wavelengths = PAPER_WAVELENGTHS
@@ -151,7 +160,8 @@ class Campaign:
             "quality": quality,
             "observer_altitude": float(observer_altitude),
             "keep_orders": keep_orders,
-            "sweep": sweep,
+            "sweep": sweeps,
+            "samples": samples,
             "_built": built,
         }
         for name, value in fields.items():
@@ -165,48 +175,72 @@ class Campaign:
             )
 
     @property
-    def swept(self) -> tuple[str | None, tuple[float, ...]]:
-        """Name and values of the swept parameter, the first dimension of the dataset.
+    def swept(self) -> dict[str, tuple[float, ...]]:
+        """Values of every swept parameter by its name; of a sample, the ends of their ranges."""
+        return swept_by_name(self.turbidity, self.sweep)
 
-        The name is None, and the only value NaN, where nothing is swept.
-        """
-        return _swept(self.turbidity, self.sweep)
+    @cached_property
+    def places(self) -> tuple[dict[str, float], ...]:
+        """Values of what is swept, by name, for every atmosphere, in the order of the dataset."""
+        return places_of(self.turbidity, self.sweep, self.samples)
 
     @property
     def sky_dims(self) -> tuple[str, ...]:
         """Dimensions of the dataset that tell skies apart."""
-        name = self.swept[0]
-        return ("sun_zenith",) if name is None else (name, "sun_zenith")
+        front = self.swept if self.samples is None else (SAMPLE,)
+        return (*front, "sun_zenith")
 
     @property
     def sky_shape(self) -> tuple[int, ...]:
         """Sizes of these dimensions."""
-        sizes = len(self.swept[1]), len(self.sun_zenith)
-        return sizes[-len(self.sky_dims) :]
+        sizes = [len(values) for values in self.swept.values()]
+        return (*(sizes if self.samples is None else [self.samples]), len(self.sun_zenith))
 
     @property
     def num_skies(self) -> int:
-        """Skies, that is values of the swept parameter times suns."""
-        return len(self.swept[1]) * len(self.sun_zenith)
+        """Skies, that is places times suns."""
+        return math.prod(self.sky_shape)
 
-    def build_atmosphere(self, value: float) -> Atmosphere:
-        """The atmosphere for one value of the swept parameter."""
+    def build_atmosphere(self, **swept: float) -> Atmosphere:
+        """The atmosphere for values of what is swept.
+
+        Raises:
+            InputError: A value is missing, or one of another parameter is given.
+        """
+        place = self._place(swept)
         wavelengths = np.asarray(self.wavelengths)
+        keys = {one.key: place[one.name] for one in self.sweep}
         if isinstance(self.atmosphere, PaperAtmosphere):
-            return self.atmosphere.build(value, wavelengths)
+            turbidity = place["turbidity"]
+            return self.atmosphere.build(turbidity, wavelengths, keys.get(GROUND_ALBEDO))
         if isinstance(self.atmosphere, DescribedAtmosphere):
-            return self.atmosphere.build(wavelengths, self.sweep, value)
+            return self.atmosphere.build(wavelengths, keys)
         if isinstance(self.atmosphere, Atmosphere):
             return self.atmosphere
-        name, values = self.swept
-        if value in values:
-            return self._built[values.index(value)]
-        return call_given(self.atmosphere, str(name), value)
+        places = self.places
+        if place in places:
+            return self._built[places.index(place)]
+        return call_given(self.atmosphere, without_observer(place, self.sweep))
 
-    def observer_altitude_at(self, value: float) -> float:
-        """Altitude of the observer for one value of the swept parameter [m]."""
-        swept = self.sweep is not None and self.sweep.key == OBSERVER_ALTITUDE
-        return value if swept else self.observer_altitude
+    def observer_altitude_at(self, **swept: float) -> float:
+        """Altitude of the observer for values of what is swept [m].
+
+        Raises:
+            InputError: A value is missing, or one of another parameter is given.
+        """
+        place = self._place(swept)
+        names = [one.name for one in self.sweep if one.key == OBSERVER_ALTITUDE]
+        return place[names[0]] if names else self.observer_altitude
+
+    def _place(self, given: Mapping[str, float]) -> dict[str, float]:
+        """Values in the dataset's order."""
+        names = list(self.swept)
+        if set(given) != set(names):
+            raise InputError(
+                f"Campaign: expected values of {', '.join(names) or 'nothing'}; got "
+                f"{', '.join(given) or 'none'}"
+            )
+        return {name: float(given[name]) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """As plain numbers and words, for JSON."""
@@ -214,7 +248,10 @@ class Campaign:
         air = self.atmosphere
         ours = isinstance(air, Described)
         fields["atmosphere"] = air.to_dict() if ours else given_record(self._built)
-        fields["sweep"] = None if self.sweep is None else dataclasses.asdict(self.sweep)
+        sweeps = [dataclasses.asdict(one) for one in self.sweep]
+        fields["sweep"] = sweeps if len(sweeps) > 1 else next(iter(sweeps), None)
+        if self.samples is None:  # as in records of before there were samples
+            del fields["samples"]
         return {"schema": SCHEMA, **fields}
 
     @classmethod
@@ -228,11 +265,14 @@ class Campaign:
         if (schema := fields.pop("schema", "missing")) != SCHEMA:
             raise InputError(f"Campaign.from_dict: schema is {schema!r}, expected {SCHEMA!r}")
         fields["turbidity"] = fields["turbidity"] or None
-        fields["sweep"] = Sweep(**fields["sweep"]) if fields.get("sweep") else None
+        sweeps = fields.get("sweep") or []
+        sweeps = [Sweep(**one) for one in ([sweeps] if isinstance(sweeps, dict) else sweeps)]
+        fields["sweep"] = tuple(sweeps)
         kind = fields["atmosphere"].get("kind", PaperAtmosphere.kind)
         if kind == KIND:
-            swept = _swept(tuple(fields["turbidity"] or ()), fields["sweep"])
-            fields["atmosphere"] = given_of(fields["atmosphere"], *swept)
+            places = places_of(tuple(fields["turbidity"] or ()), sweeps, fields.get("samples"))
+            places = [without_observer(one, sweeps) for one in places]
+            fields["atmosphere"] = given_of(fields["atmosphere"], places)
         else:
             home = PaperAtmosphere if kind == PaperAtmosphere.kind else DescribedAtmosphere
             fields["atmosphere"] = home.from_dict(fields["atmosphere"])
@@ -245,14 +285,6 @@ class Campaign:
     def __hash__(self) -> int:
         """The same for campaigns that are equal."""
         return hash(json.dumps(self.to_dict()))
-
-
-def _swept(
-    turbidity: tuple[float, ...], sweep: Sweep | None
-) -> tuple[str | None, tuple[float, ...]]:
-    if sweep is not None:
-        return sweep.name, tuple(sweep.values)
-    return ("turbidity", turbidity) if turbidity else (None, (np.nan,))
 
 
 def _wavelengths_of(air: Atmosphere, given: Values | None) -> Values:

@@ -1,7 +1,7 @@
 """Atmospheres that a program gives a campaign: one, or a function that makes one of each value."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,77 +16,92 @@ AtmosphereFunction = Callable[..., Atmosphere]
 KIND = "given"
 
 
+Place = Mapping[str, float]  # values of what is swept, by name
+
+
 class RecordedAtmospheres:
-    """A function of the swept value, known at the values of a record alone.
+    """A function of the swept values, known at the values of a record alone.
 
     Args:
-        name: Name of the swept parameter.
-        atmospheres: Atmosphere of each value.
+        places: Values of the function's parameters in the record.
+        atmospheres: Atmosphere of each.
     """
 
-    def __init__(self, name: str, atmospheres: Mapping[float, Atmosphere]):
-        self.name, self.atmospheres = name, dict(atmospheres)
+    def __init__(self, places: Sequence[Place], atmospheres: Sequence[Atmosphere]):
+        self.names = tuple(places[0])
+        pairs = zip(places, atmospheres, strict=True)
+        self.atmospheres = {tuple(place.values()): one for place, one in pairs}
 
     def __call__(self, **swept: float) -> Atmosphere:
-        """The atmosphere of one value.
+        """The atmosphere of one place.
 
         Raises:
-            InputError: The record has no atmosphere of that value.
+            InputError: The record has no atmosphere of these values.
         """
-        value = swept[self.name]
-        if value not in self.atmospheres:
-            known = ", ".join(f"{one:g}" for one in self.atmospheres)
+        values = tuple(swept[name] for name in self.names)
+        if values not in self.atmospheres:
+            known = [in_words(dict(zip(self.names, one, strict=True))) for one in self.atmospheres]
+            few = "; ".join(known[:5]) + ("; ..." if len(known) > 5 else "")
             raise InputError(
-                f"atmosphere: on record at {self.name} = {known}; not at {value:g}: give the "
-                "function that made them"
+                f"atmosphere: on record at {few}; not at {in_words(swept)}: give the function that "
+                "made them"
             )
-        return self.atmospheres[value]
+        return self.atmospheres[values]
 
 
-def build_given(given: Any, name: str | None, values: tuple[float, ...]) -> tuple[Atmosphere, ...]:
-    """The atmosphere of every swept value.
+def in_words(place: Place) -> str:
+    """Values by name, for messages."""
+    return ", ".join(f"{name} = {value:g}" for name, value in place.items())
+
+
+def build_given(given: Any, places: Sequence[Place]) -> tuple[Atmosphere, ...]:
+    """The atmosphere of every place.
 
     Args:
         given: An `Atmosphere`, or a function that returns one.
-        name: Parameter of the function; None for an `Atmosphere` that stays the same.
-        values: Values of the parameter.
+        places: Values of the function's parameters; an `Atmosphere` stays the same everywhere.
 
     Raises:
-        InputError: It is neither, has no such parameter, returns something else, or atmospheres of
-            different wavelengths.
+        InputError: It is neither, has no such parameters, returns something else, or atmospheres
+            of different wavelengths.
     """
     if isinstance(given, Atmosphere):
-        return (_known(given),) * len(values)
-    built = tuple(call_given(given, str(name), value) for value in values)
+        return (_known(given),) * len(places)
+    made: dict[tuple[float, ...], Atmosphere] = {}
+    for place in places:
+        values = tuple(place.values())
+        if values not in made:
+            made[values] = call_given(given, place)
+    built = tuple(made[tuple(place.values())] for place in places)
     first = built[0].wavelengths
-    for value, one in zip(values, built, strict=True):
+    for place, one in zip(places, built, strict=True):
         if one.wavelengths.shape != first.shape or not np.allclose(one.wavelengths, first):
             raise InputError(
-                f"Campaign(atmosphere=...): expected the same wavelengths at every {name}; those "
-                f"at {name} = {value:g} are not those at {name} = {values[0]:g}"
+                "Campaign(atmosphere=...): expected the same wavelengths everywhere; those at "
+                f"{in_words(place)} are not those at {in_words(places[0])}"
             )
     return built
 
 
-def call_given(function: AtmosphereFunction, name: str, value: float) -> Atmosphere:
-    """The atmosphere that a function makes of one value.
+def call_given(function: AtmosphereFunction, place: Place) -> Atmosphere:
+    """The atmosphere that a function makes of the values of its parameters.
 
     Raises:
         InputError: It returns something else.
     """
-    found = function(**{name: value})
+    found = function(**place)
     if not isinstance(found, Atmosphere):
         raise InputError(
             "Campaign(atmosphere=...): expected a function that returns an Atmosphere; at "
-            f"{name} = {value:g} it returned {type(found).__name__}"
+            f"{in_words(place)} it returned {type(found).__name__}"
         )
     return _known(found)
 
 
-def takes(function: Any, name: str) -> bool:
-    """Whether a function can be called with one argument of that name, and no other."""
+def takes(function: Any, names: Sequence[str]) -> bool:
+    """Whether a function can be called with arguments of these names, and no other."""
     try:
-        inspect.signature(function).bind(**{name: 0.0})
+        inspect.signature(function).bind(**dict.fromkeys(names, 0.0))
     except TypeError:
         return False
     except ValueError:  # it has no signature to look at
@@ -100,17 +115,22 @@ def given_record(built: tuple[Atmosphere, ...]) -> dict[str, Any]:
 
 
 def given_of(
-    record: Mapping[str, Any], name: str | None, values: tuple[float, ...]
+    record: Mapping[str, Any], places: Sequence[Place]
 ) -> Atmosphere | RecordedAtmospheres:
     """Undo `given_record`.
+
+    Args:
+        record: What it returned.
+        places: Values of the function's parameters; nothing in them where none is left but the
+            observer's.
 
     Raises:
         InputError: A part is of a class that is not skyfit's own.
     """
     built = [from_plain(one) for one in record["atmospheres"]]
-    if name is None or len(values) != len(built):
+    if not places[0] or len(places) != len(built):
         return built[0]
-    return RecordedAtmospheres(name, dict(zip(values, built, strict=True)))
+    return RecordedAtmospheres(places, built)
 
 
 def _known(air: Atmosphere) -> Atmosphere:

@@ -10,14 +10,16 @@ from ..atmosphere import Atmosphere
 from ..errors import InputError
 from .checks import axis_of
 from .description import DescribedAtmosphere, PaperAtmosphere, Sweep
-from .description.sweep import OBSERVER_ALTITUDE
+from .description.sweep import GROUND_ALBEDO, OBSERVER_ALTITUDE
 from .directions import PAPER_TURBIDITIES, Values
 from .given import takes
+from .places import SAMPLE
 
 
 # Names of the dataset's own; a swept parameter needs another.
 TAKEN = {
     *("sun_zenith", "view_zenith", "relative_azimuth", "direction", "wavelength", "order", "time"),
+    SAMPLE,
     *("radiance", "radiance_by_order", "luminance", "x", "y", "done", "error_estimate"),
     *("reliable", "local_time"),
     # Arguments of the functions that take a swept parameter by its name.
@@ -31,82 +33,102 @@ def is_taken(name: str) -> bool:
 
 
 def find_swept(
-    atmosphere: Any, turbidity: Values | None, sweep: Sweep | Mapping[str, Values] | None
-) -> tuple[tuple[float, ...], Sweep | None]:
-    """The turbidities, or what else is swept; neither where it is a single atmosphere.
+    atmosphere: Any, turbidity: Values | None, sweep: Any
+) -> tuple[tuple[float, ...], tuple[Sweep, ...]]:
+    """The turbidities, and what else is swept; neither where it is a single atmosphere.
 
     Args:
         atmosphere: A campaign's.
         turbidity: Turbidities that were asked for; None or empty for none.
-        sweep: Another parameter that was asked for.
+        sweep: Other parameters that were asked for, as `Campaign` takes them.
 
     Raises:
         InputError: The atmosphere cannot be swept so, or is no atmosphere.
     """
     asked = None if turbidity is None or np.size(turbidity) == 0 else turbidity
-    if isinstance(sweep, Mapping):
-        asked, sweep = _of_mapping(asked, sweep)
+    asked, sweeps = _listed(atmosphere, asked, sweep)
+    names = [one.name for one in sweeps] + (["turbidity"] if asked is not None else [])
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            raise InputError(f"Campaign(sweep=...): {name} is swept twice")
     if isinstance(atmosphere, PaperAtmosphere):
-        if sweep is not None:
-            raise InputError("Campaign(sweep=...): the paper's atmosphere is swept over turbidity")
-        return _turbidities(PAPER_TURBIDITIES if asked is None else asked), None
+        odd = [one.name for one in sweeps if one.key not in (GROUND_ALBEDO, OBSERVER_ALTITUDE)]
+        if odd:
+            raise InputError(
+                "Campaign(sweep=...): the paper's atmosphere is swept over turbidity, "
+                f"ground_albedo and observer_altitude; not over {odd[0]}"
+            )
+        return _turbidities(PAPER_TURBIDITIES if asked is None else asked), sweeps
     if isinstance(atmosphere, DescribedAtmosphere):
         if asked is not None:
             raise InputError(
                 "Campaign(turbidity=...): only the paper's atmosphere has one; give sweep=..."
             )
-        return (), sweep
+        return (), sweeps
     if isinstance(atmosphere, Atmosphere):
-        if asked is not None or (sweep is not None and sweep.key != OBSERVER_ALTITUDE):
-            name = "turbidity" if sweep is None else "sweep"
+        other = [one.name for one in sweeps if one.key != OBSERVER_ALTITUDE]
+        if asked is not None or other:
+            name = "turbidity" if asked is not None else "sweep"
             raise InputError(
                 f"Campaign({name}=...): an Atmosphere stays the same; give atmosphere=... a "
                 "function of what is swept that returns one"
             )
-        return (), sweep
-    return _of_function(atmosphere, asked, sweep)
+        return (), sweeps
+    return _of_function(atmosphere, asked, sweeps)
 
 
 def _of_function(
-    function: Any, turbidity: Values | None, sweep: Sweep | None
-) -> tuple[tuple[float, ...], Sweep | None]:
+    function: Any, turbidity: Values | None, sweeps: tuple[Sweep, ...]
+) -> tuple[tuple[float, ...], tuple[Sweep, ...]]:
     if not callable(function):
         raise InputError(
             "Campaign(atmosphere=...): expected an Atmosphere, a function that returns one, or a "
             f"PaperAtmosphere; got {type(function).__name__}"
         )
-    name = "turbidity" if sweep is None else sweep.name
-    if sweep is not None and (turbidity is not None or sweep.key == OBSERVER_ALTITUDE):
-        raise InputError(
-            "Campaign(sweep=...): expected one parameter, and that of the function; got "
-            f"{name}{'' if turbidity is None else ' beside turbidity'}"
-        )
-    if not takes(function, name):
+    names = [one.name for one in sweeps if one.key != OBSERVER_ALTITUDE]
+    if turbidity is None and not names:
+        turbidity = PAPER_TURBIDITIES
+    if turbidity is not None:
+        names = ["turbidity", *names]
+    if not takes(function, names):
         called = getattr(function, "__name__", type(function).__name__)
         raise InputError(
-            f"Campaign(atmosphere=...): expected a function that is called with the swept {name} "
-            f"alone; {called} cannot be (sweep={{name: values}} names another parameter)"
+            "Campaign(atmosphere=...): expected a function that is called with the swept "
+            f"{', '.join(names)} alone; {called} cannot be (sweep={{name: values}} names other "
+            "parameters)"
         )
-    if sweep is not None:
-        return (), sweep
-    return _turbidities(PAPER_TURBIDITIES if turbidity is None else turbidity), None
+    return (() if turbidity is None else _turbidities(turbidity)), sweeps
 
 
-def _of_mapping(
-    turbidity: Values | None, sweep: Mapping[str, Values]
-) -> tuple[Values | None, Sweep | None]:
-    """The mapping's one parameter, as turbidity or as a `Sweep`."""
-    if len(sweep) != 1:
-        came = ", ".join(map(str, sweep)) or "none"
-        raise InputError(f"Campaign(sweep=...): expected one parameter; got {came}")
-    ((name, values),) = sweep.items()
-    if name == "turbidity" and turbidity is None:
-        return values, None
+def _listed(
+    atmosphere: Any, turbidity: Values | None, sweep: Any
+) -> tuple[Values | None, tuple[Sweep, ...]]:
+    """What was asked for besides turbidity, parameter by parameter."""
+    if sweep is None or isinstance(sweep, Sweep):
+        return turbidity, () if sweep is None else (sweep,)
+    if not isinstance(sweep, Mapping):
+        sweeps = tuple(sweep)
+        if not all(isinstance(one, Sweep) for one in sweeps):
+            raise InputError(f"Campaign(sweep=...): expected {{name: values}}; got {sweep!r:.60}")
+        return turbidity, sweeps
+    if not sweep:
+        raise InputError("Campaign(sweep=...): expected a parameter or more; got none")
+    others = dict(sweep)
+    if turbidity is None and not isinstance(atmosphere, DescribedAtmosphere):
+        turbidity = others.pop("turbidity", None)
+    return turbidity, tuple(_named(atmosphere, *one) for one in others.items())
+
+
+def _named(atmosphere: Any, name: str, values: Values) -> Sweep:
+    """A parameter by the name that a program gives it."""
     if is_taken(str(name)):
         raise InputError(f"Campaign(sweep=...): {name} is taken, or no name; give another")
-    key = OBSERVER_ALTITUDE if name == "observer_altitude" else name
-    low = 0.0 if key == OBSERVER_ALTITUDE else -np.inf
-    return turbidity, Sweep(name, key, axis_of(f"sweep={{{name!r}", values, low, np.inf))
+    key, low, high = name, -np.inf, np.inf
+    if name == "observer_altitude":
+        key, low = OBSERVER_ALTITUDE, 0.0
+    elif name == "ground_albedo" and isinstance(atmosphere, PaperAtmosphere):
+        key, low, high = GROUND_ALBEDO, 0.0, 1.0
+    return Sweep(name, key, axis_of(f"sweep={{{name!r}", values, low, high))
 
 
 def _turbidities(given: Values) -> tuple[float, ...]:

@@ -1,7 +1,8 @@
 """The record between simulation and fit: an xarray dataset, how it is made and where it is kept.
 
-Dimensions are the swept parameter (`turbidity`, or any other; none where nothing is swept),
-`sun_zenith`, `direction` and `wavelength`, plus `order` where the orders of scattering are kept.
+Dimensions are the swept parameters (`turbidity`, or any other; none where nothing is swept; one
+`sample` where they vary together), `sun_zenith`, `direction` and `wavelength`, plus `order` where
+the orders of scattering are kept.
 Angles are in radians. Attributes describe the atmospheres and the versions that made the record, so
 that it can be simulated or fitted again from the file alone. Where the error was estimated, the
 attribute `error_estimate` sums it up, and the variable of that name has it for every radiance if

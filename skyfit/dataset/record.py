@@ -1,6 +1,7 @@
 """The form of sky datasets: dimensions, variables and attributes, as `skyfit.dataset` describes."""
 
 import json
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +9,7 @@ import xarray as xr
 
 from ..campaign import Campaign, PaperAtmosphere
 from ..campaign.given import KIND
+from ..campaign.places import SAMPLE
 from ..campaign.plain import to_plain
 from ..colour import spectrum_to_xyY
 from ..error_estimate import ERRORS
@@ -23,6 +25,7 @@ UNITS = {
     "x": ("CIE 1931 chromaticity x", "1"),
     "y": ("CIE 1931 chromaticity y", "1"),
     "turbidity": ("turbidity: optical thickness of air and haze over that of air, 550 nm", "1"),
+    SAMPLE: ("number of the place among the swept parameters", "1"),
     "sun_zenith": ("zenith angle of the sun", "rad"),
     "view_zenith": ("zenith angle of the view direction", "rad"),
     "relative_azimuth": ("azimuth of the view direction from the sun's", "rad"),
@@ -31,6 +34,7 @@ UNITS = {
     ERRORS: ("estimate of the relative error of the radiance", "1"),
     "done": ("whether the sky has been simulated", "1"),
 }
+MOST_ATMOSPHERES = 100  # so many are written out in the attributes of a dataset
 STANDARD_NAMES = {
     "sun_zenith": "solar_zenith_angle",
     "wavelength": "radiation_wavelength",
@@ -44,15 +48,11 @@ def sky_dataset(campaign: Campaign, variables: dict[str, np.ndarray]) -> xr.Data
         campaign: Campaign that was simulated.
         variables: Arrays of `sky_variables`, with the campaign's `sky_dims` before their axes.
     """
-    swept, values = campaign.swept
     front = campaign.sky_dims
     arrays = {
         name: (_dims(name, front), array, describe(name)) for name, array in variables.items()
     }
-    coordinates = (
-        {} if swept is None else {swept: (swept, np.array(values), _describe_swept(campaign))}
-    )
-    coordinates |= {
+    coordinates = _swept_coordinates(campaign) | {
         "sun_zenith": ("sun_zenith", np.array(campaign.sun_zenith), describe("sun_zenith")),
         "wavelength": ("wavelength", np.array(campaign.wavelengths), describe("wavelength")),
         "view_zenith": ("direction", np.array(campaign.view_zenith), describe("view_zenith")),
@@ -132,15 +132,28 @@ def describe(name: str) -> dict[str, str]:
     return {"long_name": long_name, "units": units} | standard
 
 
-def _describe_swept(campaign: Campaign) -> dict[str, str]:
-    """Attributes of the swept parameter's coordinate."""
-    if campaign.sweep is None:
-        return describe("turbidity")
-    return {"long_name": campaign.sweep.long_name, "units": campaign.sweep.units}
+def _swept_coordinates(campaign: Campaign) -> dict[str, Any]:
+    """Coordinates of the swept parameters: each its own dimension, or all over the sample."""
+    about = {one.name: {"long_name": one.long_name, "units": one.units} for one in campaign.sweep}
+    about = {"turbidity": describe("turbidity")} | about
+    if campaign.samples is None:
+        return {
+            name: (name, np.array(values), about[name]) for name, values in campaign.swept.items()
+        }
+    places = campaign.places
+    coordinates = {SAMPLE: (SAMPLE, np.arange(len(places)), describe(SAMPLE))}
+    return coordinates | {
+        name: (SAMPLE, np.array([place[name] for place in places]), about[name])
+        for name in campaign.swept
+    }
 
 
 def _attributes(campaign: Campaign) -> dict[str, str]:
-    atmospheres = [to_plain(campaign.build_atmosphere(value)) for value in campaign.swept[1]]
+    places = campaign.places
+    if len(places) > MOST_ATMOSPHERES and not callable(campaign.atmosphere):
+        # The campaign builds the others; a program's function is known by its atmospheres alone.
+        places = (places[0], places[-1])
+    atmospheres = [to_plain(campaign.build_atmosphere(**place)) for place in places]
     plan = campaign.to_dict()
     plan["atmosphere"].pop("atmospheres", None)  # what a program gave is on record once
     paper = "Preetham, Shirley & Smits (1999), A Practical Analytic Model for Daylight"

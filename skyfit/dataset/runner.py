@@ -46,15 +46,19 @@ class _Place(NamedTuple):
     altitude: float
 
 
+def _place(campaign: Campaign, at: int) -> _Place:
+    values = campaign.places[at]
+    return _Place(campaign.build_atmosphere(**values), campaign.observer_altitude_at(**values))
+
+
 _DIRECTIONS_PER_CALL = 20_000  # of all suns together, for the memory that a call takes
 Variables = dict[str, np.ndarray]
 
 
 class _Run(NamedTuple):
-    """A campaign under way, with a place for each value of what is swept."""
+    """A campaign under way."""
 
     campaign: Campaign
-    places: list[_Place]
     suns_per_call: int
     workers: int
     progress: Progress
@@ -90,8 +94,8 @@ def run_campaign(
         overwrite: Replace a sky dataset that is under `store`; nothing else is ever replaced.
 
     Returns:
-        Dimensions (turbidity or what else is swept, sun_zenith, direction, wavelength); see
-        `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
+        Dimensions (turbidity and what else is swept, or sample; sun_zenith, direction,
+        wavelength); see `skyfit.dataset`, and `skyfit.error_estimate.estimate_of` for the estimate.
 
     Raises:
         InputError: `store` holds something else, or a store of another campaign, or another run
@@ -115,12 +119,9 @@ def run_campaign(
         raise InputError(
             f"run_campaign(estimate_error=...): expected one of {expected}; got {estimate_error!r}"
         )
-    places = [
-        _Place(campaign.build_atmosphere(value), campaign.observer_altitude_at(value))
-        for value in campaign.swept[1]
-    ]
-    template = empty_skies(campaign, _shapes(campaign, places[0]), jnp.result_type(float))
-    run = _Run(campaign, places, suns_per_call, workers, progress or silent)
+    shapes = _shapes(campaign, _place(campaign, 0))
+    template = empty_skies(campaign, shapes, jnp.result_type(float))
+    run = _Run(campaign, suns_per_call, workers, progress or silent)
     with opened(store, template, overwrite=overwrite) as (kept, dataset):
         fresh = dataset is None
         if dataset is None:
@@ -169,7 +170,7 @@ def _estimated(run: _Run, dataset: xr.Dataset, skies: str, kept: SkyStore | None
     campaign, radiance = run.campaign, dataset["radiance"].values
     chosen = sampled_skies(campaign) if skies == "sample" else np.ones(campaign.sky_shape, bool)
     errors = np.full(radiance.shape, np.nan)
-    left, size = chosen, int(np.atleast_2d(chosen).sum(axis=1).max())
+    left, size = chosen, int(chosen.sum(axis=-1).max())
     if skies == "all":
         size = run.suns_per_call
         if kept is not None:
@@ -200,13 +201,16 @@ def _pieces(
     """Work on the skies that are left, and yield them with their variables as they are ready."""
 
     def done(job: _Job) -> list[tuple[tuple[int, ...], Variables]]:
-        found = work(run.campaign, run.places[job.at], job.suns, suns_per_call)
+        found = work(run.campaign, _place(run.campaign, job.at), job.suns, suns_per_call)
         return [
-            ((job.at, sun)[-left.ndim :], {name: array[n] for name, array in found.items()})
+            (
+                (*(int(k) for k in np.unravel_index(job.at, left.shape[:-1])), sun),
+                {name: array[n] for name, array in found.items()},
+            )
             for n, sun in enumerate(job.suns)
         ]
 
-    jobs = _jobs(np.atleast_2d(left), suns_per_call)
+    jobs = _jobs(left.reshape(-1, left.shape[-1]), suns_per_call)
     # The first job alone compiles the program; two threads would each compile it.
     yield from map(done, jobs[: 1 if run.workers > 1 else None])
     if run.workers == 1:

@@ -29,6 +29,7 @@ WEIGHTS, RESIDUALS = get_args(Weights), get_args(Residuals)
 VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
 # Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
 SUN_DIMENSIONS = ("sun_zenith", "time")
+SAMPLE = "sample"  # a dimension along which all swept parameters vary together
 ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
 # View zenith of a direction without a value: neither fits nor errors look below the horizon.
 MISSING = np.pi  # rad
@@ -155,7 +156,10 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
             raise InputError(f"{caller}(data=...): expected a variable {name!r}; there is none")
     channels = _channels(data, caller)
     dims = tuple(str(d) for d in channels["Y"].dims if d != "direction")
-    swept = [d for d in dims if d not in SUN_DIMENSIONS]
+    swept = [d for d in dims if d not in (*SUN_DIMENSIONS, SAMPLE)]
+    if SAMPLE in dims:
+        over = [str(name) for name, array in data.coords.items() if array.dims == (SAMPLE,)]
+        swept += [name for name in over if name not in (SAMPLE, "sun_zenith")]
     empty = [str(d) for d, size in channels["Y"].sizes.items() if size == 0]
     if empty:
         raise InputError(f"{caller}(data=...): expected skies; {', '.join(empty)} is empty")

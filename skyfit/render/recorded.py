@@ -1,5 +1,6 @@
 """Skies on record as sources: simulated datasets and measurements, between their directions."""
 
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -123,24 +124,36 @@ def _fine_grid(plate: RBFInterpolator, lowest: float):
 
 
 def select_sky(
-    data: xr.Dataset, name: str, turbidity: float | None, sun_zenith: float | None
+    data: xr.Dataset,
+    name: str,
+    turbidity: float | None,
+    sun_zenith: float | None,
+    parameters: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
     """One sky of a dataset, by the values of its dimensions.
 
     Args:
-        data: Skies over (turbidity, sun_zenith) or another swept parameter, or over time.
+        data: Skies over (turbidity, sun_zenith) or other swept parameters, or over time.
         name: Name of the dataset, for messages.
-        turbidity: The value of the swept parameter; None if there is only one.
+        turbidity: The turbidity, or the value of the only swept parameter; None if there is only
+            one value.
         sun_zenith: Zenith angle of the sun, within 0.01°; None if there is only one [rad].
+        parameters: Values of swept parameters by name; the number of a `sample`.
 
     Raises:
         InputError: No such sky; the message lists what there is.
     """
     if "luminance" not in data:
         raise InputError(f"{name}: luminance is missing")
+    suns = ("sun_zenith", "time")
+    swept = [str(dim) for dim in data["luminance"].dims if dim not in ("direction", *suns)]
+    given = dict(parameters or {})
+    refuse_others(given, name, swept)
+    if turbidity is not None and swept:
+        given.setdefault("turbidity" if "turbidity" in swept else swept[0], turbidity)
     for dim in [dim for dim in data["luminance"].dims if dim not in ("direction",)]:
-        sun = dim in ("sun_zenith", "time")
-        wanted = sun_zenith if sun else turbidity
+        sun = dim in suns
+        wanted = sun_zenith if sun else given.get(str(dim))
         values = np.atleast_1d(data["sun_zenith" if sun else str(dim)].values)
         scale = 180 / np.pi if sun else 1.0
         there = ", ".join(f"{scale * value:.6g}" for value in values)
@@ -153,3 +166,16 @@ def select_sky(
             raise InputError(f"{name}: expected {what} one of {there}; got {scale * wanted:.6g}")
         data = data.isel({dim: near})
     return data
+
+
+def refuse_others(given: Mapping[str, float], what: str, names: Sequence[str]) -> None:
+    """Refuse values of parameters that are not a sky's.
+
+    Raises:
+        InputError: There is one.
+    """
+    if unknown := [name for name in given if name not in names]:
+        ours = f"values of {', '.join(names)} alone" if names else "no parameters"
+        raise InputError(
+            f"{what}: expected {ours} (--set, parameters=...); got {', '.join(unknown)}"
+        )

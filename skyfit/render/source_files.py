@@ -13,7 +13,7 @@ from ..dataset.measurements import cornell_skies
 from ..errors import InputError
 from ..fitting import SkyFit, load_fit, paper_refit
 from ..models import AbstractSkyModel, preetham_sky
-from .recorded import RecordedSource, select_sky
+from .recorded import RecordedSource, refuse_others, select_sky
 from .simulated import SimulatedSource
 from .sources import AbstractSource, ModelSource
 
@@ -39,7 +39,8 @@ def load_source(
             where the sky does not know it. A model's is held within its range, which its name says.
         sun_zenith: Zenith angle of the sun that tells a dataset's skies apart [rad].
         observer_altitude: Altitude of the eye, for simulated skies [m].
-        parameters: Values of what a fit was made for, by name; the turbidity may be among them.
+        parameters: Values of what a fit was made for, or a campaign or dataset sweeps, by name; the
+            turbidity may be among them.
 
     Raises:
         FileNotFoundError: There is no such file.
@@ -57,19 +58,19 @@ def load_source(
     if path is None or words == PUBLISHED:
         asked = given.pop("turbidity", turbidity)
         value = PAPER_TURBIDITY if asked is None else asked
-        _refuse(given, "the published model", ["turbidity"])
+        refuse_others(given, "the published model", ["turbidity"])
         sky = preetham_sky(value)
         used, held = _held(sky, "turbidity", value)
         return ModelSource(sky, used, f"Preetham, Shirley & Smits (1999), {held}")
     if words == REFIT or path.suffix == ".json":
         fit = paper_refit() if words == REFIT else load_fit(path)
         return _fitted(fit, path, turbidity, given)
-    _refuse(given, words, [])
     if path.suffix == ".toml":
-        return _simulated(path, turbidity, observer_altitude)
+        return _simulated(path, turbidity, observer_altitude, given)
     if path.suffix in SUFFIXES:
-        sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith)
-        return RecordedSource(sky, path.name, turbidity)
+        sky = select_sky(load_dataset(path), str(path), turbidity, sun_zenith, given)
+        return RecordedSource(sky, path.name, given.get("turbidity", turbidity))
+    refuse_others(given, words, [])
     if words == MEASURED:
         sky = select_sky(cornell_skies(), MEASURED, None, sun_zenith)
         minutes = int(sky["local_time"])
@@ -85,7 +86,7 @@ def _fitted(
     fit: SkyFit, path: Path, turbidity: float | None, given: dict[str, float]
 ) -> ModelSource:
     names = list(fit.swept)
-    _refuse({name: value for name, value in given.items() if name not in names}, str(path), names)
+    refuse_others(given, str(path), names)
     values, haze = dict(given), turbidity
     if "turbidity" in names and turbidity is not None:
         values.setdefault("turbidity", turbidity)
@@ -111,34 +112,48 @@ def _held(sky: AbstractSkyModel, name: str, value: float) -> tuple[float, str]:
     return used, f"{name} {value:g}" + ("" if used == value else f" taken as {used:g}")
 
 
-def _simulated(path: Path, value: float | None, altitude: float) -> SimulatedSource:
+def _simulated(
+    path: Path, turbidity: float | None, altitude: float, given: Mapping[str, float]
+) -> SimulatedSource:
     campaign = load_campaign(path)
-    swept, values = campaign.swept
-    if value is None:
-        if len(values) > 1:
-            there = ", ".join(f"{one:g}" for one in values)
-            raise InputError(
-                f"{path}: expected one {swept} (turbidity=...), such as one of {there}; got none"
-            )
-        value = float(next(iter(values)))
-    elif swept is None:
-        raise InputError(f"{path}: sweeps nothing; got the value {value:g}")
+    place = _chosen(path, campaign.swept, turbidity, given)
     if campaign.geometry != "spherical":
         raise InputError(f"{path}: pictures are spherical; got the geometry {campaign.geometry!r}")
-    name = f"{path.name}, simulated" + ("" if swept is None else f", {swept} {value:g}")
+    told = [f"{name} {value:g}" for name, value in place.items()]
     return SimulatedSource(
-        campaign.build_atmosphere(value), name, campaign.orders, campaign.quality,
-        altitude or campaign.observer_altitude_at(value),
+        campaign.build_atmosphere(**place), ", ".join([f"{path.name}, simulated", *told]),
+        campaign.orders, campaign.quality, altitude or campaign.observer_altitude_at(**place),
     )  # fmt: skip
 
 
-def _refuse(unknown: Mapping[str, float], what: str, names: list[str]) -> None:
-    """Refuse values of parameters that are not a sky's."""
-    if unknown:
-        ours = f"values of {', '.join(names)} alone" if names else "no parameters"
-        raise InputError(
-            f"{what}: expected {ours} (--set, parameters=...); got {', '.join(unknown)}"
-        )
+def _chosen(
+    path: Path,
+    swept: Mapping[str, tuple[float, ...]],
+    turbidity: float | None,
+    given: Mapping[str, float],
+) -> dict[str, float]:
+    """A value of every swept parameter: the one given, or the only one there is."""
+    refuse_others(given, str(path), list(swept))
+    place = dict(given)
+    if turbidity is not None:
+        if not swept:
+            raise InputError(f"{path}: sweeps nothing; got the value {turbidity:g}")
+        name = "turbidity" if "turbidity" in swept else next(iter(swept))
+        if len(swept) > 1 and name != "turbidity":
+            raise InputError(
+                f"{path}: sweeps {', '.join(swept)}; expected NAME=VALUE of each (--set, "
+                f"parameters=...); got the value {turbidity:g}"
+            )
+        place.setdefault(name, turbidity)
+    for name, values in swept.items():
+        if name not in place and len(values) > 1:
+            there = ", ".join(f"{one:g}" for one in values)
+            how = "turbidity=..." if len(swept) == 1 else "--set, parameters=..."
+            raise InputError(
+                f"{path}: expected one {name} ({how}), such as one of {there}; got none"
+            )
+        place.setdefault(name, next(iter(values)))
+    return {name: place[name] for name in swept}
 
 
 def _needed(value: float | None, what: str, name: str = "turbidity") -> float:

@@ -45,7 +45,7 @@ def simplifications(plan: Campaign) -> dict[str, Any]:
 
     tables: dict[str, list[list[float]]] = {"higher_orders": [], "ground_light": [], "flat": []}
     for turbidity in plan.turbidity:
-        black = plan.build_atmosphere(turbidity)
+        black = plan.build_atmosphere(turbidity=turbidity)
         black = _with_ground(black, 0.0)
         orders, tail = seen(black, orders=None)
         lit, _ = seen(_with_ground(black, GROUND_ALBEDO), orders=None)

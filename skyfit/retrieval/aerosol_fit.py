@@ -135,7 +135,7 @@ def fit_aerosol(
     seen = ~(np.isnan(measured) | np.isnan(view + azimuth)[..., None])
     if not seen.any():
         raise InputError("fit_aerosol(skies=...): expected radiance somewhere; all of it is NaN")
-    atmosphere = dataclasses.replace(campaign, wavelengths=lam).build_atmosphere(np.nan)
+    atmosphere = dataclasses.replace(campaign, wavelengths=lam).build_atmosphere()
     parts = description["constituents"]
     place = [part["name"] for part in parts].index(aerosol)
     if parts[place]["kind"] != "angstrom_aerosol" or np.ndim(parts[place]["asymmetry"]):
@@ -171,7 +171,7 @@ def fit_aerosol(
 
 
 def _described(campaign: Campaign) -> DescribedAtmosphere:
-    if not isinstance(campaign.atmosphere, DescribedAtmosphere) or campaign.sweep is not None:
+    if not isinstance(campaign.atmosphere, DescribedAtmosphere) or campaign.sweep:
         raise InputError(
             "fit_aerosol(campaign=...): expected one of a file that lists constituents and sweeps "
             "nothing"

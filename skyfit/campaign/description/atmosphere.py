@@ -1,6 +1,7 @@
 """An atmosphere from its description."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +13,7 @@ from ...errors import InputError
 from .aerosols import VISIBLE_AT, Surroundings, build_aerosol
 from .gases import GASES, build_gas, gas_coefficients, gas_profile
 from .spectra import Part, Wavelengths, spectrum_at, sunlight_above
-from .sweep import OBSERVER_ALTITUDE, Sweep, replaced
+from .sweep import OBSERVER_ALTITUDE, replaced
 
 
 @dataclass(frozen=True)
@@ -37,16 +38,17 @@ class DescribedAtmosphere:
         return json.loads(self.text)
 
     def build(
-        self, wavelengths: ArrayLike, sweep: Sweep | None = None, value: float | None = None
+        self, wavelengths: ArrayLike, changes: Mapping[str, float] | None = None
     ) -> Atmosphere:
-        """The atmosphere at wavelengths [nm], with another value of what is swept.
+        """The atmosphere at wavelengths [nm], with other numbers at some keys.
 
         Raises:
             InputError: Naming the key, what was expected and what came.
         """
         description = self.description
-        if sweep is not None and value is not None and sweep.key != OBSERVER_ALTITUDE:
-            description = replaced(description, sweep.key, value)
+        for key, value in (changes or {}).items():
+            if key != OBSERVER_ALTITUDE:
+                description = replaced(description, key, value)
         return build_atmosphere(description, np.asarray(wavelengths, float))
 
     def to_dict(self) -> dict[str, Any]:

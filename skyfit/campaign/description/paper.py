@@ -41,14 +41,16 @@ class PaperAtmosphere:
                 f"PaperAtmosphere(ground_albedo=...): expected 0 to 1; got {self.ground_albedo}"
             )
 
-    def build(self, turbidity: ArrayLike, wavelengths: ArrayLike) -> Atmosphere:
-        """The atmosphere of one turbidity at wavelengths [nm]."""
+    def build(
+        self, turbidity: ArrayLike, wavelengths: ArrayLike, ground_albedo: float | None = None
+    ) -> Atmosphere:
+        """The atmosphere of one turbidity at wavelengths [nm], maybe over another ground."""
         return preetham_atmosphere(
             turbidity,
             wavelengths=wavelengths,
             turbidity_means=self.turbidity_means,
             ozone=self.ozone,
-            ground_albedo=self.ground_albedo,
+            ground_albedo=self.ground_albedo if ground_albedo is None else ground_albedo,
         )
 
     def to_dict(self) -> dict[str, Any]:

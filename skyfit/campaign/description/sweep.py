@@ -1,4 +1,4 @@
-"""The parameter that a campaign sweeps: any number of its description."""
+"""A parameter that a campaign sweeps: any number of its description."""
 
 import copy
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from .spectra import Part
 
 
 OBSERVER_ALTITUDE = "simulation.observer_altitude_m"  # the one swept number that is no atmosphere's
+GROUND_ALBEDO = "atmosphere.ground_albedo"  # of the paper's atmosphere
 UNITS = {
     "_per_m": "m-1",
     "_per_m2": "m-2",

@@ -5,8 +5,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import (
     BeforeValidator,
+    Discriminator,
     Field,
     StringConstraints,
+    Tag,
     ValidationError,
     model_validator,
 )
@@ -18,7 +20,7 @@ from ...spectrum import PAPER_WAVELENGTHS
 from ...transfer.quality import QUALITIES
 from ..campaign import GEOMETRIES, MOST_DIRECTIONS, MOST_ORDERS, SCHEMA, Campaign
 from ..description import DescribedAtmosphere, PaperAtmosphere, Sweep
-from ..description.sweep import replaced, unit_of
+from ..description.sweep import GROUND_ALBEDO, OBSERVER_ALTITUDE, replaced, unit_of
 from ..directions import (
     PAPER_RELATIVE_AZIMUTHS_DEG,
     PAPER_SUN_ZENITHS_DEG,
@@ -72,6 +74,13 @@ class _Sweep(Section):
         return self.name or unit_of(self.key)[0]
 
 
+# One table [sweep], or several [[sweep]].
+_Sweeps = Annotated[
+    Annotated[_Sweep, Tag("one")] | Annotated[list[_Sweep], Tag("several")],
+    Discriminator(lambda given: "several" if isinstance(given, list) else "one"),
+]
+
+
 class _Sampling(Section):
     sun_zenith_deg: Annotated[Angles, Increasing] = PAPER_SUN_ZENITHS_DEG
     zenith: bool = True
@@ -82,6 +91,7 @@ class _Sampling(Section):
     wavelengths_nm: Annotated[tuple[Annotated[Number, Field(gt=0)], ...], Increasing] = tuple(
         PAPER_WAVELENGTHS.tolist()
     )
+    samples: Annotated[int, Field(ge=3, le=1_000_000)] | None = None
 
 
 class _Simulation(Section):
@@ -105,7 +115,7 @@ class File(Section):
     sun: Sun | None = None
     ground: Ground | None = None
     constituents: Annotated[list[Constituent], Field(min_length=1)] | None = None
-    sweep: _Sweep | None = None
+    sweep: _Sweeps | None = None
     sampling: _Sampling = _Sampling()
     simulation: _Simulation = _Simulation()
 
@@ -132,25 +142,38 @@ class File(Section):
 
     @model_validator(mode="after")
     def _sweep_of_what_there_is(self) -> "File":
-        if self.sweep is None:
-            return self
-        if self.is_the_papers:
-            if self.sweep.key is not None:
-                raise InputError("sweep.key: the paper's atmosphere is swept over turbidity")
-        elif self.sweep.key is None:
-            raise InputError("sweep.turbidity: is for the paper's atmosphere; expected key, values")
-        else:
-            for number, value in enumerate(self.sweep.values or ()):
-                self._try(self.sweep.key, number, value)
+        for where, sweep in self._sweeps():
+            if self.is_the_papers:
+                if sweep.key not in (None, GROUND_ALBEDO, OBSERVER_ALTITUDE):
+                    raise InputError(
+                        f"{where}.key: the paper's atmosphere is swept over turbidity, "
+                        f"{GROUND_ALBEDO} and {OBSERVER_ALTITUDE}"
+                    )
+            elif sweep.key is None:
+                raise InputError(
+                    f"{where}.turbidity: is for the paper's atmosphere; expected key, values"
+                )
+            for number, value in enumerate(sweep.values or ()):
+                self._try(where, str(sweep.key), number, value)
+        names = [sweep.called for _, sweep in self._sweeps()]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise InputError(f"sweep[{number}].name: {name} is swept already; give another")
         return self
 
-    def _try(self, key: str, number: int, value: float) -> None:
-        """Check one value of the sweep like the number whose place it takes."""
+    def _sweeps(self) -> list[tuple[str, _Sweep]]:
+        """Every table of a sweep, and where it stands."""
+        if isinstance(self.sweep, list):
+            return [(f"sweep[{number}]", one) for number, one in enumerate(self.sweep)]
+        return [] if self.sweep is None else [("sweep", self.sweep)]
+
+    def _try(self, where: str, key: str, number: int, value: float) -> None:
+        """Check one value of a sweep like the number whose place it takes."""
         content = self._plain()
         try:
             changed = replaced(content, key, value)
         except InputError as error:
-            raise InputError(f"sweep.key: {error}") from None
+            raise InputError(f"{where}.key: {error}") from None
         changed["sweep"] = None
         try:
             File.model_validate(changed)
@@ -158,12 +181,15 @@ class File(Section):
             detail = error.errors(include_url=False)[0]
             words = detail["msg"].replace("Input should be", "expected")
             words = words.removeprefix("Value error, ")
-            raise InputError(f"sweep.values[{number}]: {key}: {words}; got {value:g}") from None
+            raise InputError(f"{where}.values[{number}]: {key}: {words}; got {value:g}") from None
 
     def _plain(self) -> dict[str, Any]:
         """The file in numbers and words, with every default."""
-        places = {"planet": self.planet or Planet(), "sun": self.sun or Sun()}
-        whole = self.model_copy(update=places | {"ground": self.ground or Ground()})
+        if self.is_the_papers:
+            whole = self.model_copy(update={"atmosphere": self.atmosphere or _Paper()})
+        else:
+            places = {"planet": self.planet or Planet(), "sun": self.sun or Sun()}
+            whole = self.model_copy(update=places | {"ground": self.ground or Ground()})
         return whole.model_dump(mode="json", by_alias=True, exclude_none=True)
 
     @property
@@ -199,11 +225,14 @@ class File(Section):
 
     def _what(self) -> dict[str, Any]:
         """Arguments of a campaign: the atmosphere and what is swept."""
-        sweep = self.sweep
+        sweeps = [one for _, one in self._sweeps()]
+        turbidities = [one.turbidity for one in sweeps if one.key is None]
+        others = [Sweep(str(one.called), one.key, one.values or ()) for one in sweeps if one.key]
+        swept = {"sweep": others, "samples": self.sampling.samples}
         if self.is_the_papers:
             given = self.atmosphere or _Paper()
-            return {
-                "turbidity": PAPER_TURBIDITIES if sweep is None else sweep.turbidity,
+            return swept | {
+                "turbidity": turbidities[0] if turbidities else PAPER_TURBIDITIES,
                 "atmosphere": PaperAtmosphere(
                     turbidity_means=given.turbidity_means,
                     ozone=given.ozone,
@@ -212,8 +241,4 @@ class File(Section):
             }
         plain = self._plain()
         tables = {name: plain[name] for name in ("planet", "sun", "ground", "constituents")}
-        described = DescribedAtmosphere.from_description(tables)
-        if sweep is None:
-            return {"atmosphere": described}
-        swept = Sweep(str(sweep.called), str(sweep.key), sweep.values or ())
-        return {"atmosphere": described, "sweep": swept}
+        return swept | {"atmosphere": DescribedAtmosphere.from_description(tables)}

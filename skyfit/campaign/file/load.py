@@ -14,6 +14,7 @@ from ...atmosphere import Atmosphere
 from ...errors import InputError
 from ..campaign import Campaign
 from ..description import PaperAtmosphere
+from ..description.sweep import GROUND_ALBEDO
 from .file import File
 from .section import one_line
 
@@ -38,8 +39,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
         file = _file(path, content)
         campaign = file.campaign()
         # What only building can find impossible is better known now.
-        for value in {campaign.swept[1][0], campaign.swept[1][-1]}:
-            campaign.build_atmosphere(value)
+        for place in (campaign.places[0], campaign.places[-1]):
+            campaign.build_atmosphere(**place)
     except (InputError, ValidationError) as error:
         raise _named(path, error) from None
     return campaign
@@ -53,8 +54,8 @@ def load_atmosphere(
     Args:
         path: A TOML file.
         wavelengths: Wavelengths of the atmosphere, increasing; the file's by default [nm].
-        **swept: The parameter that the file sweeps under its own name, in the file's unit, as in
-            `optical_depth=0.3`. By default it has the value that the file gives where the
+        **swept: Parameters that the file sweeps under their own names, in the file's units, as in
+            `optical_depth=0.3`. By default each has the value that the file gives where the
             parameter stands; the paper's atmosphere has a turbidity of 3.
 
     Raises:
@@ -65,18 +66,19 @@ def load_atmosphere(
     try:
         file = _file(path, content)
         campaign = file.campaign()
-        name = campaign.swept[0]
-        if set(swept) - {name}:
-            expected = name or "none"
+        names = list(campaign.swept)
+        if odd := set(swept) - set(names):
+            expected = ", ".join(names) or "none"
             raise InputError(f"load_atmosphere: expected the parameter {expected}; got "
-                             f"{', '.join(swept)}")  # fmt: skip
+                             f"{', '.join(sorted(odd))}")  # fmt: skip
         lam: Any = campaign.wavelengths if wavelengths is None else wavelengths
         lam = np.atleast_1d(np.asarray(lam, float))
-        value = float(swept[str(name)]) if swept else None
+        given = {one.key: float(swept[one.name]) for one in campaign.sweep if one.name in swept}
         air: Any = campaign.atmosphere
         if isinstance(air, PaperAtmosphere):
-            return air.build(PAPER_TURBIDITY if value is None else value, lam)
-        return air.build(lam, campaign.sweep, value)
+            turbidity = float(swept.get("turbidity", PAPER_TURBIDITY))
+            return air.build(turbidity, lam, given.get(GROUND_ALBEDO))
+        return air.build(lam, given)
     except (InputError, ValidationError) as error:
         raise _named(path, error) from None
 

@@ -76,12 +76,12 @@ def one_line(error: ValidationError) -> str:
 
 def _place(loc: tuple[int | str, ...]) -> list[int | str]:
     """Without the values of `kind` that pydantic puts behind what there are several kinds of."""
-    several = ("profile", "size")
-    before = (None, *loc)[: len(loc)]
+    several = ("profile", "size", "sweep")
+    before = (None, None, *loc)
     return [
         part
-        for part, last in zip(loc, before, strict=True)
-        if not (isinstance(part, str) and (isinstance(last, int) or last in several))
+        for part, last, first in zip(loc, before[1:], before, strict=False)
+        if not (last in several or (first == "constituents" and isinstance(last, int)))
     ]
 
 
