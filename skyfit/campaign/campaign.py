@@ -35,8 +35,6 @@ GEOMETRIES = ("spherical", "flat", "paper")
 SCHEMA = "skyfit/campaign/1"
 # What a record can hold in memory; more is several campaigns.
 MOST_DIRECTIONS, MOST_NUMBERS, MOST_ORDERS = 100_000, 200_000_000, 100
-
-
 Described = PaperAtmosphere | DescribedAtmosphere  # what can be described in words
 
 
