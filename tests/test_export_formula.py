@@ -12,7 +12,8 @@ from test_export import EDGES, expected, random_rows, rows, worst
 from test_models_formula import BASES, free_start, sky_of
 
 from skyfit.export import export_fit
-from skyfit.models.basis import Basis, Chebyshev
+from skyfit.models.axes import Chebyshev
+from skyfit.models.basis import Basis
 from skyfit.models.domes import DISTRIBUTIONS, distribution_from
 
 
@@ -25,6 +26,7 @@ CASES = [
     ("series", "polynomial", "bands"),
     ("hosek-wilkie", "polynomial", "Yxy"),
     ("series", "nodes", "XYZ"),
+    ("series", "total", "XYZ"),
 ]
 
 

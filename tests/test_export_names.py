@@ -9,7 +9,8 @@ from exported import LANGUAGES, node, run, validate_shader
 from test_export import PUBLISHED, at_turbidity, expected, random_rows, worst
 
 from skyfit.export import export_fit
-from skyfit.models.basis import Basis, Line
+from skyfit.models.axes import Line
+from skyfit.models.basis import Basis
 
 
 # Types, keywords, coefficients, angles, vectors, functions; what is no name in any language.

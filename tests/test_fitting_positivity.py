@@ -12,7 +12,8 @@ from skyfit.colour import matching_functions
 from skyfit.fitting import Positivity, positivity
 from skyfit.fitting.positivity import locus_margin
 from skyfit.models import preetham_sky
-from skyfit.models.basis import Basis, Line
+from skyfit.models.axes import Line
+from skyfit.models.basis import Basis
 
 
 def test_margins_are_distances_from_the_edge_of_all_colours():

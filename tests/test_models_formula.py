@@ -12,7 +12,8 @@ import pytest
 from skyfit._typing import as_float
 from skyfit.angles import unit_vector, view_sun_angle
 from skyfit.colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz
-from skyfit.models.basis import Basis, Chebyshev, Line, Tents, basis_from
+from skyfit.models.axes import Chebyshev, Line, Tents
+from skyfit.models.basis import Basis, basis_from
 from skyfit.models.domes import DISTRIBUTIONS, Series, distribution_from
 from skyfit.models.formula import FormulaSky
 from skyfit.models.scale import LogScale, scale_from
@@ -37,6 +38,13 @@ BASES = {
     "cosine": polynomial(1, 2, "cosine"),
     "root": polynomial(1, 2, "cube root of elevation"),
     "nodes": Basis((Tents("turbidity", NODES[0]), Tents("sun_zenith", NODES[1]))),
+    "total": Basis(
+        (
+            Chebyshev("turbidity", TURBIDITIES, 2, "reciprocal"),
+            Chebyshev("sun_zenith", (0.1, 1.7), 3, "cube root through the horizon"),
+        ),
+        total_degree=True,
+    ),
 }
 
 
@@ -295,3 +303,50 @@ def test_coefficients_on_a_line_are_slope_and_intercept():
     np.testing.assert_allclose(basis.terms(at), [0.6, 3.0, 0.2, 1.0], rtol=1e-15)
     held = basis.terms(at | {"turbidity": as_float(9.0)})
     np.testing.assert_allclose(held, [1.2, 6.0, 0.2, 1.0], rtol=1e-15)
+
+
+def test_terms_of_a_total_degree_are_the_low_ones_of_the_whole_product():
+    axes = BASES["total"].axes
+    # Degrees k/2 + n/3 of 1 or less: 0 with 0 to 3, 1 with 0 and 1, 2 with 0.
+    low = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 0), (1, 1), (2, 0)]
+    assert list(BASES["total"].kept) == low
+    every = list(Basis(axes).kept)
+    some = terms_at(BASES["total"], [2.0, 3.0, 6.0], [0.2, 1.0, 1.6])
+    whole = terms_at(Basis(axes), [2.0, 3.0, 6.0], [0.2, 1.0, 1.6])
+    np.testing.assert_array_equal(some, whole[np.array([every.index(term) for term in low])])
+
+
+def test_functions_of_a_polynomial_have_their_values():
+    # u runs from -1 to 1 with -1/T from -1/2 to -1/6: at 3, half way.
+    axis = Chebyshev("turbidity", (2.0, 6.0), 1, "reciprocal")
+    np.testing.assert_allclose(axis.functions(as_float([2.0, 3.0, 6.0]))[1], [-1, 0, 1], atol=1e-6)
+    # 4° from the horizon d (1 + 1)^(-1/3), odd about it.
+    ends = math.radians(86.0), math.radians(94.0)
+    axis = Chebyshev("sun_zenith", ends, 1, "cube root through the horizon")
+    at = as_float(np.radians([86.0, 88.0, 90.0, 94.0]))
+    half = 0.5 * 1.25 ** (-1 / 3) / 2 ** (-1 / 3)
+    np.testing.assert_allclose(axis.functions(at)[1], [-1, -half, 0, 1], atol=1e-5)
+    slope = jax.grad(lambda sun: axis.functions(sun)[1])(as_float(math.pi / 2))
+    np.testing.assert_allclose(slope, 2 ** (1 / 3) / math.radians(4.0), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Basis((Tents("turbidity", [2.0, 3.0]),), True), "polynomials along every axis"),
+        (lambda: Chebyshev("dust", (0.0, 1.0), 2, "reciprocal"), "expected a dust above 0; got 0"),
+    ],
+)
+def test_what_has_no_degree_or_no_reciprocal_is_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_scale_goes_on_below_the_horizon_where_its_suns_do():
+    basis = Basis((Chebyshev("sun_zenith", (0.1, 1.7), 1),))
+    zeros = as_float([0.0, 0.0])
+    scale = LogScale(as_float([[0.0, 1.0], [0.0, 1.0]]), basis, zeros, 1.7, (True, False))
+    found = np.log(np.asarray(scale({"sun_zenith": as_float([1.5, 1.6, 1.7, 1.7 + 0.0436332])})))
+    np.testing.assert_allclose(found[1], [0.75, 0.875, 1, 1], rtol=1e-5)
+    # Beyond the last sun a decade in 2.5°.
+    np.testing.assert_allclose(found[0], [0.75, 0.875, 1, 1 - math.log(10)], rtol=1e-5)

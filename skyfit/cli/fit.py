@@ -9,7 +9,7 @@ import click
 import skyfit
 from skyfit._files import refuse_target
 from skyfit.colour import PAPER_CHANNELS
-from skyfit.fitting.choices import KINDS, ZENITHS
+from skyfit.fitting.choices import NAMED, ZENITHS
 from skyfit.fitting.document import refuse_no_fit
 from skyfit.models.domes import DISTRIBUTIONS
 from skyfit.report.coefficients import has_published_form
@@ -30,11 +30,11 @@ from .output import print_json, print_table, progress
 )
 @click.option(
     "--dependence",
-    type=click.Choice(KINDS),
+    type=click.Choice(list(NAMED)),
     default="linear",
     show_default=True,
-    help="Dependence of its coefficients: linear in the parameter, polynomial in it and the sun, "
-    "or linear between nodes.",
+    help="Dependence of its coefficients: linear in the parameters, polynomial in them and sun; "
+    "linear between nodes; or of terms of low total degree, for several parameters and twilight.",
 )
 @click.option(
     "--zenith",

@@ -6,7 +6,15 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from ..models.basis import LEAST_ELEVATION, AbstractAxis, Basis, Chebyshev, Line as LineAxis, Tents
+from ..models.axes import (
+    LEAST_ELEVATION,
+    STRAIGHT,
+    AbstractAxis,
+    Chebyshev,
+    Line as LineAxis,
+    Tents,
+)
+from ..models.basis import Basis
 from .description import Line, exact, number
 
 
@@ -24,6 +32,8 @@ class Terms:
         """Make the factors; `names` are those of the quantities in the program."""
         self.lines: tuple[Line, ...] = ()
         self._factors: list[list[str]] = []
+        self._cut = basis.total_degree
+        self._kept = tuple(np.array(basis.kept, int).reshape(-1, len(basis.axes)).T)
         for k, axis in enumerate(basis.axes):
             lines, factors = _factors(axis, names[axis.quantity], f"{prefix}{'uvwpqr'[k % 6]}")
             self.lines += tuple(lines)
@@ -31,7 +41,8 @@ class Terms:
 
     def sum(self, name: str, numbers: Float[np.ndarray, " term"]) -> tuple[tuple[Line, ...], str]:
         """Sum of numbers times terms: lines of its parts, and an expression of them."""
-        table = np.asarray(numbers).reshape([len(factors) for factors in self._factors])
+        table = np.zeros([len(factors) for factors in self._factors])
+        table[self._kept] = np.asarray(numbers)
         lines: list[Line] = []
         expression = self._sum(name, table, self._factors, lines)
         return tuple(lines), expression
@@ -44,14 +55,22 @@ class Terms:
             weights = [number(entry) for entry in table]
             if not np.any(table[1:]) and first[0] == ONE:
                 return weights[0]
-            return _weighted(weights, first)
+            return _weighted(weights, first, self._none_beyond(table))
         parts = [f"{name}_{i}" for i in range(len(table))]
         if not np.any(table[1:]) and first[0] == ONE:
             return self._sum(name, table[0], rest, lines)
-        for part, row in zip(parts, table, strict=True):
+        some = self._none_beyond(table)
+        for part, row in zip(parts[:some], table, strict=False):
             text = self._sum(part, row, rest, lines)
             lines.append(Line(part, text))
-        return _weighted(parts, first)
+        return _weighted(parts, first, some)
+
+    def _none_beyond(self, table: np.ndarray) -> int:
+        """Number of entries up to the last that is not 0; all of a full product."""
+        if not self._cut:
+            return len(table)
+        some = np.flatnonzero(np.any(table.reshape(len(table), -1), axis=1))
+        return int(some[-1]) + 1 if some.size else 1
 
 
 def _factors(axis: AbstractAxis, variable: str, name: str) -> tuple[list[Line], list[str]]:
@@ -65,8 +84,8 @@ def _factors(axis: AbstractAxis, variable: str, name: str) -> tuple[list[Line], 
     raise TypeError(f"expected an axis that can be exported; got {type(axis).__name__}")
 
 
-def _weighted(weights: list[str], factors: list[str]) -> str:
-    pairs = zip(weights, factors, strict=True)
+def _weighted(weights: list[str], factors: list[str], count: int) -> str:
+    pairs = zip(weights[:count], factors[:count], strict=True)
     return " + ".join(w if f == ONE else f"{w} * {f}" for w, f in pairs)
 
 
@@ -79,8 +98,8 @@ def _chebyshev(name, variable, ends, degree, function):
         return [], [(ONE, "0", "-1", "0")[k % 4] for k in range(degree + 1)]  # of 0
     lines, held = [], variable
     if function != "identity":
-        held = _of_sun(f"clamp({variable}, {number(low)}, {number(high)})", function)
-        low, high = (float(_value_of_sun(end, function)) for end in (low, high))
+        held = _function(f"clamp({variable}, {number(low)}, {number(high)})", function)
+        low, high = (float(_value(end, function)) for end in (low, high))
     slope = 2 / (high - low)
     text = f"clamp({number(slope)} * {held} + {number(-1 - slope * low)}, -1, 1)"
     lines.append(Line(name, text))
@@ -92,16 +111,27 @@ def _chebyshev(name, variable, ends, degree, function):
     return lines, names
 
 
-def _of_sun(sun, function):
+def _function(sun, function):
+    if function == "reciprocal":
+        return f"(-1 / {sun})"
     if function == "cosine":
         return f"cos({sun})"
+    if function == "cube root through the horizon":
+        depression = f"({sun} - {number(math.pi / 2)})"
+        square = f"{depression} * {depression} * {number(STRAIGHT**-2)}"
+        return f"{depression} * pow(1 + {square}, {number(-1 / 3)})"
     least = number(LEAST_ELEVATION)
     return f"pow(max({number(math.pi / 2)} - {sun}, {least}), {number(1 / 3)})"
 
 
-def _value_of_sun(sun, function):
+def _value(sun, function):
+    if function == "reciprocal":
+        return -1 / sun
     if function == "cosine":
         return math.cos(sun)
+    if function == "cube root through the horizon":
+        depression = sun - math.pi / 2
+        return depression * (1 + (depression / STRAIGHT) ** 2) ** (-1 / 3)
     return max(math.pi / 2 - sun, LEAST_ELEVATION) ** (1 / 3)
 
 

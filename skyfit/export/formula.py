@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..colour import D65_WHITE, srgb_matrix, xyz_weights
-from ..models.basis import SUN
+from ..models.axes import SUN
 from ..models.formula import CHANNEL_KINDS, FormulaSky
 from ..models.scale import LogScale, PaperZenith
 from .dependence import Terms

@@ -56,7 +56,8 @@ def _fall(scale: LogScale, k: int) -> str:
     low = f"{number(rate)} * max(min(sun_zenith, {_HALF_PI}) - {lowest}, 0)" if rate else "0"
     if not scale.night[k]:
         return low
-    night = f"{number(TWILIGHT_DECAY)} * max(sun_zenith - {_HALF_PI}, 0)"
+    dark = number(max(math.pi / 2, scale.lowest_sun))
+    night = f"{number(TWILIGHT_DECAY)} * max(sun_zenith - {dark}, 0)"
     return f"{low} + {night}" if rate else night
 
 

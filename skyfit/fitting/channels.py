@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 Channels = str | Sequence[float] | np.ndarray
 
 
-def read_channels(data: "xr.Dataset", channels: Channels, caller: str = "fit_sky") -> Skies:
+def read_channels(
+    data: "xr.Dataset", channels: Channels, caller: str = "fit_sky", *, night: bool = False
+) -> Skies:
     """Skies of a dataset in the channels asked for.
 
     Args:
@@ -29,11 +31,12 @@ def read_channels(data: "xr.Dataset", channels: Channels, caller: str = "fit_sky
         channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
             wavelengths of spectral bands [nm].
         caller: Name of the function whose arguments these are, for messages.
+        night: Whether suns below the horizon are taken, as by `read_skies`.
 
     Raises:
         ValueError: An unknown choice, a band beyond the data, or values that cannot be fitted.
     """
-    skies = read_skies(data, caller)
+    skies = read_skies(data, caller, night=night)
     if isinstance(channels, str) and channels in CHANNEL_KINDS:
         return _colours(skies, channels, caller)
     if isinstance(channels, str) and channels != "spectrum":

@@ -8,7 +8,8 @@ import numpy as np
 
 from .._typing import as_table
 from ..errors import InputError
-from ..models.basis import SUN, basis_from
+from ..models.axes import SUN
+from ..models.basis import basis_from
 from ..models.domes import distribution_from
 from ..models.scale import PaperZenith, scale_from
 from .diagnostics import Diagnostics

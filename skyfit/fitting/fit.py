@@ -70,11 +70,13 @@ def fit_sky(
     Where no direction is the zenith, each sky's zenith value is a free parameter.
 
     Args:
-        data: Skies in the form of `skyfit.dataset`, simulated or measured.
+        data: Skies in the form of `skyfit.dataset`, simulated or measured; suns above the horizon,
+            for other formulas than the default also in twilight, to 18° below it.
         distribution: "perez", "cie", "hosek-wilkie", "series", or a distribution of
             `skyfit.models` with settings of its own.
         dependence: Dependence of the coefficients on the swept parameters and the sun: "linear" in
-            the parameters, "polynomial" in both, linear between "nodes", or a `Dependence`.
+            the parameters, "polynomial" in both, linear between "nodes", polynomial with the terms
+            of a low "total degree" for several parameters and twilight, or a `Dependence`.
         channels: "Yxy", "XYZ", "RGB", "spectrum" for every wavelength of the data, or the
             wavelengths of spectral bands [nm].
         weights: "equal" counts every direction equally, "solid angle" by its share of the dome.
@@ -99,7 +101,8 @@ def fit_sky(
     """
     settings = FitSettings(weights, residuals, max_view_zenith, prior, starts)
     formula = chosen_formula(distribution, dependence, zenith=zenith)
-    fit = fit_formula(read_channels(data, channels), formula, settings, provenance=data.attrs)
+    skies = read_channels(data, channels, night=not formula.by_day_alone)
+    fit = fit_formula(skies, formula, settings, provenance=data.attrs)
     if (said := early_night(fit)) is not None:
         warnings.warn(f"fit_sky: {said}", stacklevel=2)
     return fit

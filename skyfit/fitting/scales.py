@@ -10,11 +10,11 @@ import optimistix as optx
 from jaxtyping import Array, Bool, Float
 
 from .._typing import as_float
-from ..models.basis import SUN
+from ..models.axes import SUN
 from ..models.formula import CHANNELS
 from ..models.preetham import ZENITH_ANGLE
 from ..models.scale import AbstractScale, CubicZenith, LogScale, PaperZenith, TangentZenith
-from .choices import SCALE, FitSettings, Formula
+from .choices import FitSettings, Formula
 from .diagnostics import spectrum, variance
 from .record import SkyFit
 from .skies import Skies
@@ -45,8 +45,8 @@ def fit_scale(
     if formula.has_paper_zenith(skies):
         return _paper_zenith(skies, values if skies.zenith is None else skies.zenith)
     if not formula.distribution.relative:
-        values = means(skies, direction_weights(skies, formula, settings))
-    along = scale_terms(skies, use)[use]
+        values = means(skies, direction_weights(skies, formula, settings), formula)
+    along = scale_terms(skies, formula, use)[use]
     rows = [fit_logarithm(along, value[use]) for value in values]
     rms = [
         float(np.sqrt(np.mean((np.log(value[use]) - along @ row) ** 2)))
@@ -56,7 +56,7 @@ def fit_scale(
     seen = skies.subset(use)
     scale = LogScale(
         numbers=as_float(np.stack(rows)),
-        basis=SCALE.basis(seen),
+        basis=formula.scale_dependence.basis(seen),
         dimming=as_float(np.zeros(len(rows))),
         lowest_sun=seen.sun_zenith_range[1],
         night=night,

@@ -9,15 +9,17 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
     StringConstraints,
+    Tag,
     ValidationError,
     model_validator,
 )
 
 from .._schema import increasing, one_of
 from ..errors import InputError
-from ..models.basis import FUNCTIONS, SUN
+from ..models.axes import FUNCTIONS, SUN
 from ..models.domes import DISTRIBUTIONS
 from ..models.formula import CHANNEL_KINDS
 
@@ -115,7 +117,24 @@ def _one_axis_each(axes: list[Any]) -> list[Any]:
     return axes
 
 
-Basis = Annotated[list[Axis], AfterValidator(_one_axis_each)]
+Axes = Annotated[list[Axis], AfterValidator(_one_axis_each)]
+
+
+class _TotalDegree(_Part):
+    total_degree: Literal[True]
+    axes: Axes
+
+    @model_validator(mode="after")
+    def _of_polynomials(self):
+        if not all(isinstance(axis, _Chebyshev) for axis in self.axes):
+            raise InputError("axes: expected polynomials alone where the total degree counts")
+        return self
+
+
+Basis = Annotated[
+    Annotated[Axes, Tag("product")] | Annotated[_TotalDegree, Tag("total")],
+    Discriminator(lambda given: "product" if isinstance(given, list) else "total"),
+]
 
 
 class _Series(_Part):
@@ -233,7 +252,7 @@ def refuse_malformed(path: str | PathLike[str], document: dict[str, Any]) -> Non
 
 def _first(error: ValidationError) -> str:
     one = error.errors(include_url=False)[0]
-    kinds = ("tents", "line", "chebyshev", "paper zenith", "logarithm")
+    kinds = ("tents", "line", "chebyshev", "paper zenith", "logarithm", "product", "total")
     place = ".".join(str(part) for part in one["loc"] if part not in kinds)
     if one["type"] == "missing":
         owner, _, key = place.rpartition(".")

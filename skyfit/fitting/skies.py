@@ -14,7 +14,7 @@ from .._typing import as_float
 from ..angles import view_sun_angle
 from ..colour import D65_WHITE, spectrum_to_xyY
 from ..errors import InputError
-from ..models.basis import SUN
+from ..models.axes import SUN
 from ..models.formula import CHANNELS
 
 
@@ -30,6 +30,7 @@ VARIABLES = {"x": "x", "y": "y", "Y": "luminance"}
 # Dimensions that tell skies apart without being swept: their sun is in `sun_zenith`.
 SUN_DIMENSIONS = ("sun_zenith", "time")
 SAMPLE = "sample"  # a dimension along which all swept parameters vary together
+LOWEST_SUN = np.radians(108.0)  # where astronomical twilight ends
 ZENITH = 1e-6  # rad: views closer to the zenith than this are the zenith
 # View zenith of a direction without a value: neither fits nor errors look below the horizon.
 MISSING = np.pi  # rad
@@ -134,7 +135,7 @@ class Skies:
 _view_sun_angle = jax.jit(view_sun_angle)
 
 
-def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
+def read_skies(data: "xr.Dataset", caller: str = "fit_sky", *, night: bool = False) -> Skies:
     """Put a dataset's skies in a row and check them.
 
     Directions where a value or an angle is NaN are left out, sky by sky; in simulated skies, which
@@ -146,6 +147,7 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
             `direction` and the sky's dimensions; `view_zenith`, `relative_azimuth`, `sun_zenith`,
             in radians.
         caller: Name of the function whose argument `data` is, for messages.
+        night: Whether suns are taken to 18° below the horizon; else to the horizon.
 
     Raises:
         ValueError: A variable is missing, the sun is below the horizon, a sky has no value at all,
@@ -187,7 +189,7 @@ def read_skies(data: "xr.Dataset", caller: str = "fit_sky") -> Skies:
     values = np.stack([row(channels[name], directions=True) for name in CHANNELS])
     if "campaign" not in data.attrs:  # of a simulation, which leaves nothing out
         view, azimuth, values = without_gaps(view, azimuth, values, caller)
-    _refuse_unfit(caller, sun, view, azimuth, values)
+    _refuse_unfit(caller, sun, view, azimuth, values, night=night)
     return Skies(
         swept={name: row(data[name], directions=False) for name in swept},
         sun_zenith=sun,
@@ -234,7 +236,7 @@ def without_gaps(view, azimuth, values, caller):
     return np.where(gone, MISSING, view), np.where(gone, 0.0, azimuth), values
 
 
-def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
+def _refuse_unfit(caller, sun, view, azimuth, values, *, night) -> None:
     checked = {"sun_zenith": sun, "view_zenith": view, "relative_azimuth": azimuth}
     checked |= {VARIABLES[name]: array for name, array in zip(CHANNELS, values, strict=True)}
     for name, array in checked.items():
@@ -250,8 +252,10 @@ def _refuse_unfit(caller, sun, view, azimuth, values) -> None:
                 f"{caller}(data=...): {name} must be above 0; {bad} of {checked[name].size} "
                 "values are not"
             )
+    lit = "0 to 0.6 π rad, the end of twilight" if night else "0 to π/2 rad, by day"
+    lowest = LOWEST_SUN if night else np.pi / 2
     for name, low, high, words in (
-        ("sun_zenith", 0.0, np.pi / 2, "0 to π/2 rad, the sun above the horizon"),
+        ("sun_zenith", 0.0, lowest, lit),
         ("view_zenith", 0.0, np.pi, "0 to π rad"),
         ("relative_azimuth", -2 * np.pi, 2 * np.pi, "-2π to 2π rad"),
     ):

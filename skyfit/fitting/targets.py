@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from .._typing import as_float
 from ..errors import InputError
 from ..models.basis import Basis
-from .choices import SCALE, FitSettings, Formula
+from .choices import FitSettings, Formula
 from .skies import Skies
 
 
@@ -38,7 +38,7 @@ def targets(
         skies: What to fit.
         formula: The paper's own is fitted to values over the zenith's where that is seen, a
             distribution that is relative to the zenith by a free scale of each sky, and any other
-            to values over the mean of the dome as `SCALE` has it.
+            to values over the mean of the dome as the scale has it.
         settings: Weights and residuals.
         use: Skies to fit; all by default.
     """
@@ -46,8 +46,9 @@ def targets(
     weight = direction_weights(skies, formula, settings) * use[:, None]
     target, free_scale = skies.values, True
     if not formula.distribution.relative:
-        along = scale_terms(skies, use)
-        numbers = [fit_logarithm(along[use], mean[use]) for mean in means(skies, weight)]
+        along = scale_terms(skies, formula, use)
+        size = means(skies, weight, formula)
+        numbers = [fit_logarithm(along[use], mean[use]) for mean in size]
         target, free_scale = target / np.exp(np.stack(numbers) @ along.T)[..., None], False
     elif formula.has_paper_zenith(skies) and skies.zenith is not None:
         target, free_scale = target / skies.zenith[..., None], False
@@ -74,17 +75,25 @@ def direction_weights(
 
 
 def means(
-    skies: Skies, weight: Float[np.ndarray, "sky direction"]
+    skies: Skies, weight: Float[np.ndarray, "sky direction"], formula: Formula
 ) -> Float[np.ndarray, "channel sky"]:
-    """Mean of every channel over the directions that count; of any value where none does."""
+    """Mean of every channel over the directions that count; of any value where none does.
+
+    The geometric mean where the total degree counts: in the other a direction close to the sun,
+    which the grid has under one sun and not under the next, weighs as much as half the dome.
+    """
     square = weight**2
-    total = square.sum(1)
-    return (square * skies.values).sum(2) / np.where(total > 0, total, 1.0)
+    total = np.where((total := square.sum(1)) > 0, total, 1.0)
+    if formula.dependence.total_degree:
+        return np.exp((square * np.log(skies.values)).sum(2) / total)
+    return (square * skies.values).sum(2) / total
 
 
-def scale_terms(skies: Skies, use: Bool[np.ndarray, " sky"]) -> Float[np.ndarray, "sky scale_term"]:
+def scale_terms(
+    skies: Skies, formula: Formula, use: Bool[np.ndarray, " sky"]
+) -> Float[np.ndarray, "sky scale_term"]:
     """Terms of the scale's logarithm for all skies, over the ranges of those in use."""
-    return terms_of(SCALE.basis(skies.subset(use)), skies)
+    return terms_of(formula.scale_dependence.basis(skies.subset(use)), skies)
 
 
 def fit_logarithm(terms: Float[np.ndarray, "sky term"], value: Float[np.ndarray, " sky"]):

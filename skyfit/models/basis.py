@@ -2,11 +2,11 @@
 
 A basis is a product of axes. An axis is a set of functions of one quantity: a swept parameter, or
 the sun's zenith angle. What depends on the quantities, a coefficient or the logarithm of a scale,
-is a sum of numbers times terms, the products of one function of every axis. Quantities are held at
-the ends of the ranges for which the numbers were made.
+is a sum of numbers times terms, the products of one function of every axis: of all such products,
+or of those whose degree is low enough in all together.
 """
 
-import abc
+import itertools
 import math
 from collections.abc import Mapping
 from functools import reduce
@@ -17,204 +17,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._typing import as_float
 from ..errors import InputError
+from .axes import SUN, AbstractAxis, Chebyshev, axis_from
 
-
-SUN = "sun_zenith"  # the quantity that every sky has [rad]
-FUNCTIONS = ("identity", "cosine", "cube root of elevation")
-# The cube root is infinitely steep at the horizon: lower suns are taken to be this high.
-LEAST_ELEVATION = math.radians(0.1)
 
 Quantities = Mapping[str, Float[Array, "..."]]
-
-
-class AbstractAxis(eqx.Module):
-    """Functions of one quantity.
-
-    Attributes:
-        quantity: Name of the quantity, a swept parameter or `SUN`.
-    """
-
-    quantity: eqx.AbstractVar[str]
-
-    @property
-    @abc.abstractmethod
-    def size(self) -> int:
-        """Number of functions."""
-
-    @abc.abstractmethod
-    def functions(self, value: Float[Array, "*batch"]) -> list[Float[Array, "*batch"]]:
-        """Value of every function."""
-
-    @abc.abstractmethod
-    def describe(self) -> dict[str, Any]:
-        """Names and numbers that describe the axis in files; `basis_from` reads them."""
-
-    @abc.abstractmethod
-    def constant(self) -> Float[np.ndarray, " size"]:
-        """Numbers whose sum is 1 everywhere."""
-
-    def bends(self) -> Float[np.ndarray, "bend size"]:
-        """Rows that give the kinks of a sum; none where it is smooth by its making."""
-        return np.zeros((1, self.size))
-
-
-class Chebyshev(AbstractAxis):
-    """Chebyshev polynomials Tₖ(u) = cos(k arccos u) of a function of a quantity.
-
-    The function of the quantity is put linearly on u from -1 to 1 between the ends.
-
-    Attributes:
-        quantity: Name of the quantity.
-        ends: Values of the quantity where u is -1 and 1.
-        degree: Highest k.
-        function: One of `FUNCTIONS`; the last two are for the sun's zenith angle.
-    """
-
-    quantity: str = eqx.field(static=True)
-    ends: Float[Array, "2"] = eqx.field(converter=as_float)
-    degree: int = eqx.field(static=True)
-    function: str = eqx.field(static=True, default="identity")
-
-    def __check_init__(self):
-        """Refuse what is no polynomial."""
-        if self.degree < 0:
-            raise InputError("Chebyshev(degree=...): expected 0 or more")
-        if self.function not in FUNCTIONS:
-            raise InputError(
-                f"Chebyshev(function=...): expected one of {FUNCTIONS}; got {self.function!r}"
-            )
-
-    @property
-    def size(self):
-        """One more than the degree."""
-        return self.degree + 1
-
-    def functions(self, value):
-        """Chebyshev polynomials by their recurrence; u is 0 where both ends are the same."""
-        ends = self.ends.astype(value.dtype)
-        held = jnp.clip(value, ends[0], ends[1])
-        low, high = _function(ends, self.function)
-        some = high != low
-        share = (_function(held, self.function) - low) / jnp.where(some, high - low, 1.0)
-        u = jnp.where(some, jnp.clip(2 * share - 1, -1.0, 1.0), 0.0)
-        found = [jnp.ones_like(u), u]
-        while len(found) <= self.degree:
-            found.append(2 * u * found[-1] - found[-2])
-        return found[: self.size]
-
-    def describe(self):
-        """Ends, degree and function."""
-        low, high = np.asarray(self.ends, float).tolist()
-        return {
-            "quantity": self.quantity,
-            "kind": "chebyshev",
-            "functions": "T_0(u), T_1(u), ... to the degree; u from -1 at low to 1 at high",
-            "of": self.function,
-            "low": low,
-            "high": high,
-            "degree": self.degree,
-        }
-
-    def constant(self):
-        """T₀ is 1."""
-        return np.eye(self.size)[0]
-
-
-class Tents(AbstractAxis):
-    """Linear interpolation: function k is 1 at node k and falls to 0 at its neighbours.
-
-    Attributes:
-        quantity: Name of the quantity.
-        nodes: Increasing values of the quantity.
-    """
-
-    quantity: str = eqx.field(static=True)
-    nodes: Float[Array, " node"] = eqx.field(converter=as_float)
-
-    @property
-    def size(self):
-        """One function a node."""
-        return self.nodes.size
-
-    def functions(self, value):
-        """Tents."""
-        if self.nodes.size == 1:
-            return [jnp.ones_like(value)]
-        nodes = self.nodes.astype(value.dtype)
-        held = jnp.clip(value, nodes[0], nodes[-1])
-        found = []
-        for k in range(nodes.size):
-            sides = []
-            if k > 0:
-                sides.append((held - nodes[k - 1]) / (nodes[k] - nodes[k - 1]))
-            if k < nodes.size - 1:
-                sides.append((nodes[k + 1] - held) / (nodes[k + 1] - nodes[k]))
-            lower = sides[0] if len(sides) == 1 else jnp.minimum(*sides)
-            found.append(jnp.maximum(lower, 0.0))
-        return found
-
-    def describe(self):
-        """Where the nodes are."""
-        return {
-            "quantity": self.quantity,
-            "kind": "tents",
-            "functions": "1 at a node, 0 at all others, linear between",
-            "nodes": np.asarray(self.nodes, float).tolist(),
-        }
-
-    def constant(self):
-        """Tents add up to 1."""
-        return np.ones(self.size)
-
-    def bends(self):
-        """Change of slope at each inner node, in units of the mean step."""
-        nodes = np.asarray(self.nodes, float)
-        if nodes.size < 3:
-            return super().bends()
-        step = np.diff(nodes) / np.mean(np.diff(nodes))
-        rows = np.zeros((nodes.size - 2, nodes.size))
-        for k in range(nodes.size - 2):
-            rows[k, k : k + 3] = (1 / step[k], -1 / step[k] - 1 / step[k + 1], 1 / step[k + 1])
-        return rows
-
-
-class Line(AbstractAxis):
-    """The quantity itself and 1: numbers are slope and intercept, as Preetham et al. print them.
-
-    Attributes:
-        quantity: Name of the quantity.
-        ends: Values between which the quantity is held.
-    """
-
-    quantity: str = eqx.field(static=True)
-    ends: Float[Array, "2"] = eqx.field(converter=as_float)
-
-    @property
-    def size(self):
-        """Two."""
-        return 2
-
-    def functions(self, value):
-        """The quantity held between its ends, and 1."""
-        ends = self.ends.astype(value.dtype)
-        return [jnp.clip(value, ends[0], ends[1]), jnp.ones_like(value)]
-
-    def describe(self):
-        """The ends."""
-        low, high = np.asarray(self.ends, float).tolist()
-        return {
-            "quantity": self.quantity,
-            "kind": "line",
-            "functions": "the quantity, held from low to high, and 1",
-            "low": low,
-            "high": high,
-        }
-
-    def constant(self):
-        """No slope."""
-        return np.array([0.0, 1.0])
 
 
 class Basis(eqx.Module):
@@ -222,13 +29,34 @@ class Basis(eqx.Module):
 
     Attributes:
         axes: One for every quantity that matters.
+        total_degree: Whether only terms are kept whose degrees, each over the highest of its axis,
+            add up to 1 or less. A full product over several parameters has far more terms, and
+            hardly follows skies better. For Chebyshev polynomials alone.
     """
 
     axes: tuple[AbstractAxis, ...] = ()
+    total_degree: bool = eqx.field(static=True, default=False)
+
+    def __check_init__(self):
+        """Refuse a degree of what has none."""
+        if self.total_degree and not all(isinstance(axis, Chebyshev) for axis in self.axes):
+            raise InputError("Basis(total_degree=...): expected polynomials along every axis")
+
+    @property
+    def kept(self) -> tuple[tuple[int, ...], ...]:
+        """Number of the function along every axis, for every term."""
+        every = itertools.product(*(range(axis.size) for axis in self.axes))
+        if not self.total_degree:
+            return tuple(every)
+        top = [max(axis.size - 1, 1) for axis in self.axes]
+        # A share of 1 may come out a rounding error higher.
+        return tuple(term for term in every if sum(map(lambda k, n: k / n, term, top)) <= 1 + 1e-9)
 
     @property
     def num_terms(self) -> int:
         """Number of terms, and of numbers that stand for one coefficient."""
+        if self.total_degree:
+            return len(self.kept)
         return math.prod(axis.size for axis in self.axes)
 
     def terms(self, at: Quantities) -> Float[Array, "term *batch"]:
@@ -237,22 +65,42 @@ class Basis(eqx.Module):
         Args:
             at: Every quantity by name, arrays of one rank; the sun must be among them.
         """
+        if self.total_degree and self.axes:
+            tables = [axis.functions(at[axis.quantity]) for axis in self.axes]
+            products = [
+                reduce(jnp.multiply, (rows[k] for rows, k in zip(tables, term, strict=True)))
+                for term in self.kept
+            ]
+            shape = jnp.broadcast_shapes(*(jnp.shape(one) for one in products))
+            return jnp.stack([jnp.broadcast_to(one, shape) for one in products])
         found = [jnp.ones_like(at[SUN])] if not self.axes else [None]
         for axis in self.axes:
             rows = axis.functions(at[axis.quantity])
             found = [row if term is None else term * row for term in found for row in rows]
         return jnp.stack([jnp.asarray(term) for term in found])
 
-    def describe(self) -> list[dict[str, Any]]:
+    def describe(self) -> list[dict[str, Any]] | dict[str, Any]:
         """Axes as names and numbers, for files."""
-        return [axis.describe() for axis in self.axes]
+        axes = [axis.describe() for axis in self.axes]
+        if not self.total_degree:
+            return axes
+        return {
+            "terms": "products whose degrees, each over the highest of its axis, add up to 1 or "
+            "less; those of the last axis vary fastest",
+            "total_degree": True,
+            "axes": axes,
+        }
 
     def constant(self) -> Float[np.ndarray, " term"]:
         """Numbers whose sum is 1 everywhere."""
+        if self.total_degree:
+            return np.eye(self.num_terms)[0]
         return reduce(np.kron, (axis.constant() for axis in self.axes), np.ones(1))
 
     def bends(self) -> Float[np.ndarray, "bend term"]:
         """Rows that give the kinks of a sum along every axis."""
+        if self.total_degree:
+            return np.zeros((1, self.num_terms))
         tables = []
         for k, axis in enumerate(self.axes):
             parts = [np.eye(other.size) for other in self.axes]
@@ -261,30 +109,14 @@ class Basis(eqx.Module):
         return np.concatenate([np.zeros((1, self.num_terms)), *tables])
 
 
-def basis_from(description: list[Mapping[str, Any]]) -> Basis:
+def basis_from(description: list[Mapping[str, Any]] | Mapping[str, Any]) -> Basis:
     """The basis that `Basis.describe` described.
 
     Raises:
         ValueError: A kind of axis is unknown.
         KeyError: A number is missing.
     """
-    return Basis(tuple(map(_axis_from, description)))
-
-
-def _axis_from(one: Mapping[str, Any]) -> AbstractAxis:
-    kind, quantity = one["kind"], one["quantity"]
-    if kind == "tents":
-        return Tents(quantity, one["nodes"])
-    if kind == "line":
-        return Line(quantity, (one["low"], one["high"]))
-    if kind == "chebyshev":
-        return Chebyshev(quantity, (one["low"], one["high"]), one["degree"], one["of"])
-    raise InputError(f"expected an axis of kind 'chebyshev', 'tents' or 'line'; got {kind!r}")
-
-
-def _function(value, name):
-    if name == "cosine":
-        return jnp.cos(value)
-    if name == "cube root of elevation":
-        return jnp.maximum(math.pi / 2 - value, LEAST_ELEVATION) ** (1 / 3)
-    return value
+    if isinstance(description, Mapping):
+        axes = tuple(map(axis_from, description["axes"]))
+        return Basis(axes, bool(description["total_degree"]))
+    return Basis(tuple(map(axis_from, description)))

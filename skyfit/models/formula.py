@@ -13,8 +13,9 @@ from .._typing import ArrayLike, as_float
 from ..angles import as_sight, as_zenith, view_sun_angle
 from ..colour import rgb_to_xyz, spectrum_to_xyz, xyY_to_xyz, xyz_to_xyY
 from ..spectrum import linear_in_wavelength
+from .axes import SUN
 from .base import AbstractSkyModel
-from .basis import SUN, Basis
+from .basis import Basis
 from .directions import align, combine, in_pieces, view_along
 from .distribution import AbstractDistribution
 from .scale import AbstractScale

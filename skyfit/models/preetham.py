@@ -6,7 +6,8 @@ import numpy as np
 
 from .._typing import ArrayLike, as_float, check, is_traced
 from ..tables import read_table
-from .basis import Basis, Line
+from .axes import Line
+from .basis import Basis
 from .formula import CHANNELS, FormulaSky
 from .perez import COEFFICIENTS, Perez
 from .scale import CubicZenith, PaperZenith, TangentZenith

@@ -12,7 +12,8 @@ from jaxtyping import Array, Float
 
 from .._typing import as_float, as_table
 from ..errors import InputError
-from .basis import SUN, Basis, Quantities, basis_from
+from .axes import SUN
+from .basis import Basis, Quantities, basis_from
 from .twilight import TWILIGHT_DECAY, daytime_sun, dimming
 
 
@@ -82,8 +83,8 @@ class AbstractScale(eqx.Module):
 class LogScale(AbstractScale):
     """e to the power of a sum of numbers times terms.
 
-    A sun lower than those of the range dims a channel at a constant rate, and below the horizon by
-    a decade for every 2.5°, chromaticities excepted.
+    A sun lower than those of the range dims a channel at a constant rate down to the horizon, and
+    below both by a decade for every 2.5°, chromaticities excepted.
 
     Attributes:
         numbers: Numbers of the logarithm; the unit of e to its power is cd m⁻², or
@@ -105,7 +106,7 @@ class LogScale(AbstractScale):
         sun = at[SUN]
         logarithm = jnp.tensordot(self.numbers, self.basis.terms(at), 1, precision="highest")
         low = jnp.maximum(jnp.clip(sun, max=math.pi / 2) - self.lowest_sun, 0.0)
-        depression = jnp.maximum(sun - math.pi / 2, 0.0)
+        depression = jnp.maximum(sun - max(math.pi / 2, self.lowest_sun), 0.0)
         one_each = (-1, *(1,) * sun.ndim)
         decay = TWILIGHT_DECAY * jnp.array(self.night).astype(sun.dtype).reshape(one_each)
         fall = self.dimming.reshape(one_each) * low[None] + decay * depression[None]

@@ -16,6 +16,7 @@ from .quality import QUALITIES, Quality, coarser
 from .trust import (
     estimated_error,
     refuse_impossible,
+    warn_of_dark_haze,
     warn_of_darkness,
     warn_of_error,
     warn_of_low_top,
@@ -117,7 +118,9 @@ def simulate(
     raised = radiance - before > _NOTICED * radiance
     warn_of_darkness(int(raised.sum()), radiance.size)
     if orders != 1:
-        warn_of_thick_air(atmosphere, _sizes(orders, geometry, quality).levels)
+        levels = _sizes(orders, geometry, quality).levels
+        warn_of_thick_air(atmosphere, levels)
+        warn_of_dark_haze(atmosphere, np.asarray(sun_zenith, float), levels)
     if geometry != "flat":
         warn_of_low_top(atmosphere, np.asarray(sun_zenith, float))
     if geometry != "spherical":
