@@ -1,6 +1,7 @@
 """Hard atmospheres against a Monte Carlo, and what is refused or warned of."""
 
 import csv
+import warnings
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from hard_atmospheres import hard_atmosphere, name_of, random_atmosphere
 import skyfit
 from skyfit import Atmosphere, Constituent, phase, profile
 from skyfit.render.simulated import SimulatedSource
-from skyfit.transfer.trust import AccuracyWarning, missing_above
+from skyfit.transfer.trust import AccuracyWarning, missing_above, warn_of_dark_haze
 
 
 REFERENCE = Path(__file__).parent / "reference"
@@ -189,6 +190,19 @@ def test_too_thick_air_is_warned_of():
     air = Constituent(profile.Exponential(8e3), 1e-3, phase=phase.HenyeyGreenstein(0.7))
     with pytest.warns(AccuracyWarning, match=r"in 8 optical depths at 550 nm; 10 levels .* 6.6"):
         skyfit.simulate(Atmosphere([550.0], 1.0, (air,)), 0.5, 0.3, 0.0, orders=2, quality="draft")
+
+
+def test_haze_in_deep_twilight_is_warned_of_where_light_is_kept_at_few_levels():
+    hazy, clear = (skyfit.preetham_atmosphere(t, wavelengths=[450.0]) for t in (8.0, 1.5))
+    with pytest.warns(
+        AccuracyWarning, match=r"in 1.\d+ optical depths .* 8.0 degrees .* 10 levels"
+    ):
+        warn_of_dark_haze(hazy, np.radians([60.0, 98.0]), 10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_dark_haze(hazy, np.radians([98.0]), 16)
+        warn_of_dark_haze(hazy, np.radians([94.0]), 10)
+        warn_of_dark_haze(clear, np.radians([98.0]), 10)
 
 
 def test_light_that_cannot_be_is_refused_in_one_line():
