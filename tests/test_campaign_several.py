@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import json
 
+import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -297,3 +298,15 @@ def test_a_missing_value_is_named():
         ValueError, match=r"expected values of turbidity, ground_albedo, .* got tur"
     ):
         over_three().build_atmosphere(turbidity=2.0)
+
+
+def test_values_are_given_in_the_dataset_s_order_or_by_name():
+    campaign = over_three()
+    by_name = campaign.build_atmosphere(turbidity=4.0, ground_albedo=0.4, observer_altitude=1e3)
+    mixed = campaign.build_atmosphere(4.0, 0.4, observer_altitude=1e3)
+    for one, other in zip(jax.tree.leaves(by_name), jax.tree.leaves(mixed), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert campaign.observer_altitude_at(4.0, 0.4, 1e3) == 1e3
+    for values, names in [((4.0, 0.4), {}), ((4.0,) * 4, {}), ((4.0, 0.4), {"turbidity": 2.0})]:
+        with pytest.raises(skyfit.InputError, match="expected values of turbidity, ground_albedo"):
+            campaign.build_atmosphere(*values, **names)

@@ -6,7 +6,8 @@ from model_skies import model_skies, noisy
 
 from skyfit._typing import as_float
 from skyfit.fitting.batch import fit_groups
-from skyfit.fitting.choices import NAMED, PUBLISHED, FitSettings
+from skyfit.fitting.choices import PUBLISHED, FitSettings
+from skyfit.fitting.dependence import NAMED
 from skyfit.fitting.diagnostics import lane, loose_combinations, spectrum, variance
 from skyfit.fitting.fit import _errors
 from skyfit.fitting.problem import normal_equations, objective

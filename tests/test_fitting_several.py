@@ -12,7 +12,7 @@ from skyfit._typing import as_float
 from skyfit.campaign import half_dome
 from skyfit.campaign.places import sample
 from skyfit.fitting import load_fit
-from skyfit.fitting.choices import Dependence
+from skyfit.fitting.dependence import Dependence
 from skyfit.models.axes import Chebyshev
 from skyfit.models.basis import Basis
 from skyfit.models.domes import Series

@@ -199,13 +199,13 @@ class Campaign:
         """Skies, that is places times suns."""
         return math.prod(self.sky_shape)
 
-    def build_atmosphere(self, **swept: float) -> Atmosphere:
-        """The atmosphere for values of what is swept.
+    def build_atmosphere(self, *values: float, **swept: float) -> Atmosphere:
+        """The atmosphere for values of what is swept, in the dataset's order or by name.
 
         Raises:
             InputError: A value is missing, or one of another parameter is given.
         """
-        place = self._place(swept)
+        place = self._place(values, swept)
         wavelengths = np.asarray(self.wavelengths)
         keys = {one.key: place[one.name] for one in self.sweep}
         if isinstance(self.atmosphere, PaperAtmosphere):
@@ -220,23 +220,24 @@ class Campaign:
             return self._built[places.index(place)]
         return call_given(self.atmosphere, without_observer(place, self.sweep))
 
-    def observer_altitude_at(self, **swept: float) -> float:
-        """Altitude of the observer for values of what is swept [m].
+    def observer_altitude_at(self, *values: float, **swept: float) -> float:
+        """Altitude of the observer [m] for values of what is swept, given as for the atmosphere.
 
         Raises:
             InputError: A value is missing, or one of another parameter is given.
         """
-        place = self._place(swept)
+        place = self._place(values, swept)
         names = [one.name for one in self.sweep if one.key == OBSERVER_ALTITUDE]
         return place[names[0]] if names else self.observer_altitude
 
-    def _place(self, given: Mapping[str, float]) -> dict[str, float]:
+    def _place(self, values: tuple[float, ...], named: Mapping[str, float]) -> dict[str, float]:
         """Values in the dataset's order."""
         names = list(self.swept)
-        if set(given) != set(names):
+        given = {**dict(zip(names, values, strict=False)), **named}
+        if set(given) != set(names) or len(values) + len(named) != len(names):
+            got = ", ".join((*map(str, values), *named)) or "none"
             raise InputError(
-                f"Campaign: expected values of {', '.join(names) or 'nothing'}; got "
-                f"{', '.join(given) or 'none'}"
+                f"Campaign: expected values of {', '.join(names) or 'nothing'}; got {got}"
             )
         return {name: float(given[name]) for name in names}
 

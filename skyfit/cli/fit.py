@@ -9,7 +9,8 @@ import click
 import skyfit
 from skyfit._files import refuse_target
 from skyfit.colour import PAPER_CHANNELS
-from skyfit.fitting.choices import NAMED, ZENITHS
+from skyfit.fitting.choices import ZENITHS
+from skyfit.fitting.dependence import NAMED
 from skyfit.fitting.document import refuse_no_fit
 from skyfit.models.domes import DISTRIBUTIONS
 from skyfit.report.coefficients import has_published_form

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 import skyfit
-from skyfit.fitting.choices import KINDS
+from skyfit.fitting.dependence import KINDS
 from skyfit.models.domes import DISTRIBUTIONS
 
 from .options import FILE, as_json

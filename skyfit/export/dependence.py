@@ -33,7 +33,8 @@ class Terms:
         self.lines: tuple[Line, ...] = ()
         self._factors: list[list[str]] = []
         self._cut = basis.total_degree
-        self._kept = tuple(np.array(basis.kept, int).reshape(-1, len(basis.axes)).T)
+        kept = np.array(basis.kept, int).reshape(basis.num_terms, len(basis.axes))
+        self._kept = tuple(kept.T)
         for k, axis in enumerate(basis.axes):
             lines, factors = _factors(axis, names[axis.quantity], f"{prefix}{'uvwpqr'[k % 6]}")
             self.lines += tuple(lines)
@@ -42,7 +43,7 @@ class Terms:
     def sum(self, name: str, numbers: Float[np.ndarray, " term"]) -> tuple[tuple[Line, ...], str]:
         """Sum of numbers times terms: lines of its parts, and an expression of them."""
         table = np.zeros([len(factors) for factors in self._factors])
-        table[self._kept] = np.asarray(numbers)
+        table[self._kept] = np.reshape(numbers, np.shape(table[self._kept]))
         lines: list[Line] = []
         expression = self._sum(name, table, self._factors, lines)
         return tuple(lines), expression

@@ -9,7 +9,7 @@
 - `files`, `document`, `schema`, `older_files`: fits as JSON; `shipped`: the refit of the package.
 """
 
-from .choices import Dependence as Dependence
+from .dependence import Dependence as Dependence
 from .each_sky import EachSky as EachSky, fit_each_sky as fit_each_sky
 from .files import load_fit as load_fit
 from .fit import fit_sky as fit_sky

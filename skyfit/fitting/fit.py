@@ -16,12 +16,12 @@ from .choices import (
     MAX_VIEW_ZENITH,
     PRIOR,
     PUBLISHED,
-    Dependence,
     FitSettings,
     Formula,
     Starts,
     chosen_formula,
 )
+from .dependence import Dependence
 from .diagnostics import (
     Diagnostics,
     Examined,
